@@ -1,0 +1,90 @@
+"""cyclosis: how cytoplasmic streaming organises itself.
+
+    import cyclosis as cy
+    params = cy.Parameters(alpha_p=1.0, alpha_u=0.5)
+    grid = cy.CylinderGrid(n_theta=64, n_z=64, length=5.0)
+    state = cy.initial.disordered(grid, seed=0)
+    run = cy.simulate(params, grid, state, t_end=200.0)
+    print(cy.regime(params, grid, run.final_state))
+
+The model is that of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110. Names load on
+first use, so that importing the package is quick.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from .version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from .analysis import diagnostics as diagnostics
+    from .analysis import zones as zones
+    from .analysis.diagnostics import diagnose as diagnose
+    from .analysis.diagnostics import spectra as spectra
+    from .analysis.regimes import REGIMES as REGIMES
+    from .analysis.regimes import Regime as Regime
+    from .analysis.regimes import regime as regime
+    from .dataset import open_dataset as open_dataset
+    from .dataset import write as write
+    from .dynamics.simulate import Snapshot as Snapshot
+    from .dynamics.simulate import simulate as simulate
+    from .dynamics.trajectory import Status as Status
+    from .dynamics.trajectory import Trajectory as Trajectory
+    from .model import initial as initial
+    from .model.errors import InputError as InputError
+    from .model.filaments import TERMS as TERMS
+    from .model.filaments import Term as Term
+    from .model.grid import CylinderGrid as CylinderGrid
+    from .model.grid import interpolate as interpolate
+    from .model.parameters import Parameters as Parameters
+    from .model.scales import Scales as Scales
+    from .model.system import flow as flow
+    from .model.system import rate_of_change as rate_of_change
+
+_HOME = {
+    "CylinderGrid": "model.grid",
+    "InputError": "model.errors",
+    "Parameters": "model.parameters",
+    "REGIMES": "analysis.regimes",
+    "Regime": "analysis.regimes",
+    "Scales": "model.scales",
+    "Snapshot": "dynamics.simulate",
+    "Status": "dynamics.trajectory",
+    "TERMS": "model.filaments",
+    "Term": "model.filaments",
+    "Trajectory": "dynamics.trajectory",
+    "diagnose": "analysis.diagnostics",
+    "flow": "model.system",
+    "interpolate": "model.grid",
+    "open_dataset": "dataset",
+    "rate_of_change": "model.system",
+    "regime": "analysis.regimes",
+    "simulate": "dynamics.simulate",
+    "spectra": "analysis.diagnostics",
+    "write": "dataset",
+}
+_MODULES = {
+    "diagnostics": "analysis.diagnostics",
+    "initial": "model.initial",
+    "traced": "traced",
+    "zones": "analysis.zones",
+}
+
+__all__ = ["__version__", *sorted(_HOME), *sorted(_MODULES)]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        value: Any = import_module(f"{__name__}.{_MODULES[name]}")
+    elif name in _HOME:
+        value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,148 @@
+"""From a state to numbers: one table of quantities, and the functions that evaluate it.
+
+`QUANTITIES` feeds recorded scalars, dataset attributes, figure labels and the documentation. Angle
+brackets are means over the cylinder's surface; everything is dimensionless (unit "1"): P is a mean of
+unit vectors, speeds are in U = Φ/ν, times in R/U, powers per area in Φ U.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+
+from ..model import filaments
+from ..model.filaments import TermLike
+from ..model.grid import Array, CylinderGrid
+from ..model.moment import Moment
+from ..model.parameters import Parameters
+from ..model.precision import double
+from ..model.spectral import dot, unpack
+from ..model.system import System, system
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of a state: its name, symbol, further dimensions, unit, meaning, and how to get it."""
+
+    name: str
+    symbol: str
+    dims: tuple[str, ...]
+    unit: str
+    meaning: str
+    compute: Callable[[System, Moment], Any]
+
+
+TAIL_FRACTION = 2.0 / 3.0
+"""The spectral tail is what lies beyond this fraction of the resolved wavenumbers, in either direction."""
+
+
+def _energy(spectrum: jax.Array) -> jax.Array:
+    """Share of each mode in <|v|²> of a packed field (Parseval)."""
+    return (spectrum.real**2 + spectrum.imag**2) / spectrum.size**2
+
+
+def _mean_P(cell: System, now: Moment) -> Any:
+    return unpack(now.spectrum[0, 0] / now.spectrum.size)
+
+
+def _order(cell: System, now: Moment) -> Any:
+    return jnp.sqrt(jnp.sum(_energy(now.spectrum)))
+
+
+def _gradient_energy(cell: System, now: Moment) -> Any:
+    return now.values.mu * jnp.sum(cell.space.k2 * _energy(now.flow_spectrum))
+
+
+def _spectral_tail(cell: System, now: Moment) -> Any:
+    """Return the amplitude in the tail over that of all modes."""
+    m = jnp.abs(cell.space.K.real) / jnp.max(cell.space.K.real)
+    q = jnp.abs(cell.space.K.imag) / jnp.max(cell.space.K.imag)
+    energy = _energy(now.spectrum)
+    tail = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
+    return jnp.sqrt(tail / jnp.maximum(jnp.sum(energy), 1e-300))
+
+
+def _budget(cell: System, now: Moment) -> Any:
+    each = filaments.rates(now, cell.terms)
+    return jnp.stack([jnp.mean(dot(now.p, rate)) for rate in each.values()])
+
+
+QUANTITIES = (
+    Quantity("mean_P", "<P>", ("component",), "1", "mean of the order vector", _mean_P),
+    Quantity("order", "<|P|²>^½", (), "1", "root mean square of the order vector", _order),
+    Quantity("max_P", "max |P|", (), "1", "largest magnitude of the order vector",
+             lambda cell, now: jnp.sqrt(jnp.max(dot(now.p, now.p)))),
+    Quantity("peak_speed", "max |u|", (), "1", "largest flow speed",
+             lambda cell, now: jnp.sqrt(jnp.max(dot(now.u, now.u)))),
+    Quantity("rms_speed", "<|u|²>^½", (), "1", "root mean square flow speed",
+             lambda cell, now: jnp.sqrt(jnp.sum(_energy(now.flow_spectrum)))),
+    Quantity("net_flux", "<u_z>", (), "1", "mean axial flow, held at zero by the end caps",
+             lambda cell, now: jnp.mean(now.u.imag)),
+    Quantity("pressure_gradient", "Π₀", (), "1", "axial pressure gradient that holds the net flux at zero",
+             lambda cell, now: jnp.mean(now.force.imag)),
+    Quantity("power_input", "<F·u>", (), "1", "power that the filaments' force puts into the flow",
+             lambda cell, now: jnp.mean(dot(now.force, now.u))),
+    Quantity("viscous_dissipation", "μ <|∇u|²>", (), "1", "power dissipated by viscosity", _gradient_energy),
+    Quantity("friction_dissipation", "<|u|²>", (), "1", "power dissipated by friction with the wall",
+             lambda cell, now: jnp.sum(_energy(now.flow_spectrum))),
+    Quantity("rate_of_change", "<|dP/dt|²>^½", (), "1", "root mean square rate of change of the order vector",
+             lambda cell, now: jnp.sqrt(jnp.sum(_energy(cell.rate(now))))),
+    Quantity("spectral_tail", "-", (), "1", "amplitude beyond two thirds of the resolved wavenumbers over "
+             "that of all", _spectral_tail),
+    Quantity("budget", "<P·term>", ("term",), "1", "what each term adds to d/dt <|P|²>/2", _budget),
+)  # fmt: skip
+
+
+@jax.jit
+def measure(cell: System, spectrum: Any, time: Any) -> dict[str, Any]:
+    """Return every quantity of a packed spectrum, by name (traceable)."""
+    now = cell.at(spectrum, time)
+    return {item.name: item.compute(cell, now) for item in QUANTITIES}
+
+
+def diagnose(
+    params: Parameters,
+    grid: CylinderGrid,
+    state: npt.ArrayLike,
+    time: float = 0.0,
+    terms: Iterable[TermLike] | None = None,
+) -> dict[str, Any]:
+    """Return every quantity of `QUANTITIES` for a state (2, n_theta, n_z), dimensionless.
+
+    Scalars are floats; `mean_P` is an array (2,), `budget` a dictionary by term. Raises `InputError`
+    if state or parameter fields do not match the grid.
+    """
+    P = grid.check_state(state)
+    cell = system(params, grid, terms)
+    with double():
+        values = measure(cell, cell.spectrum(P), float(time))
+    out: dict[str, Any] = {name: np.asarray(v) if np.ndim(v) else float(v) for name, v in values.items()}
+    names = [term.name for term in cell.terms]
+    out["budget"] = dict(zip(names, map(float, out["budget"]), strict=True))
+    return out
+
+
+def spectra(grid: CylinderGrid, state: npt.ArrayLike) -> dict[str, Array]:
+    """Return how <|P|²> is spread over wavenumbers.
+
+    `m` and `azimuthal` (mode numbers 0, 1, ... and the energy in them, summed over q), `q` and `axial`
+    likewise; each energy array sums to <|P|²>. Dimensionless. Raises `InputError` for a state that
+    does not match the grid.
+    """
+    P = grid.check_state(state)
+    energy = np.sum(np.abs(np.fft.fft2(P, norm="forward")) ** 2, axis=0)
+    m = np.abs(np.rint(grid.m)).astype(int)
+    j = np.abs(np.rint(grid.q * grid.length / (2 * np.pi))).astype(int)
+    axial = np.bincount(j, energy.sum(axis=0))
+    return {
+        "m": np.arange(m.max() + 1.0),
+        "azimuthal": np.bincount(m, energy.sum(axis=1)),
+        "q": 2 * np.pi / grid.length * np.arange(j.max() + 1.0),
+        "axial": axial,
+    }

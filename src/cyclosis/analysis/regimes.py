@@ -1,0 +1,130 @@
+"""From a state to its regime, by measurable criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.filaments import TermLike
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from ..model.system import rate_of_change
+from .zones import stripe_widths, zone_angles
+
+REGIMES = (
+    "disordered", "unidirectional", "cyclosis", "multistripe", "circumferential", "travelling", "undecided",
+)  # fmt: skip
+
+DISORDER = 0.05
+"""Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""
+SETTLED = 1e-3
+"""Relative rate <|dP/dt|²>^½ / <|P|²>^½ below which a state counts as settled."""
+TRANSLATION = 0.9
+"""Share of |dP/dt|² that a rigid drift must explain for a state to count as travelling."""
+DOMINANT = 0.8
+"""Share of <|P|²> in P_theta that makes a state circumferential; half of it must be in P_z for stripes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regime:
+    """What a state is, and the numbers that say so (all dimensionless).
+
+    `name` is one of `REGIMES`; `reason` a short sentence. `zones` are the angles (radians) at which the
+    axial mean of P_z changes sign, `widths` the stripes between them as fractions of the circumference
+    (both empty where there are none), `mean_P` the mean order vector (2,), `order` <|P|²>^½, `drift` the
+    rigid velocity (theta, z) that best explains dP/dt, `rate` the relative rate of change
+    <|dP/dt|²>^½ / <|P|²>^½, `settled` whether that is below 10⁻³.
+    """
+
+    name: str
+    reason: str
+    zones: Array
+    widths: Array
+    mean_P: Array
+    order: float
+    drift: Array
+    rate: float
+    settled: bool
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.reason})"
+
+
+def regime(
+    params: Parameters,
+    grid: CylinderGrid,
+    state: npt.ArrayLike,
+    terms: Iterable[TermLike] | None = None,
+    time: float = 0.0,
+) -> Regime:
+    """Return the `Regime` of a state (2, n_theta, n_z).
+
+    The first criterion that holds gives the name:
+
+    * `disordered`: <|P|²>^½ < 0.05.
+    * `travelling`: never steady, drifting or rotating as a whole. The relative rate of change is at
+      least 10⁻³ and a rigid drift explains 90 % of |dP/dt|²: dP/dt = -c·∇P.
+    * `circumferential`: 80 % of <|P|²> is in P_theta; filaments run around the axis.
+    * `unidirectional`: P_z has one sign everywhere, and holds at least half of <|P|²>.
+    * `cyclosis`: every circle z = const is crossed by exactly two indifferent zones, that is two
+      counter-streaming stripes; at least half of <|P|²> is in P_z.
+    * `multistripe`: the same with four or more.
+    * `undecided`: none of these (yet).
+
+    The name says what a state looks like, not that it lasts: see `rate` and `settled`. Raises
+    `InputError` if state or parameter fields do not match the grid.
+    """
+    P = grid.check_state(state)
+    change = rate_of_change(params, grid, P, time, terms)
+    order = float(np.sqrt(np.mean(np.sum(P**2, axis=0))))
+    rate = float(np.sqrt(np.mean(np.sum(change**2, axis=0)))) / max(order, 1e-300)
+    drift, explained = _drift(grid, P, change)
+    ordered = order >= DISORDER
+    zones = zone_angles(P[1].mean(axis=1)) if ordered else np.empty(0)
+    name, reason = _name(P, order, rate, drift, explained)
+    if name in ("unidirectional", "circumferential"):
+        zones = np.empty(0)
+    return Regime(
+        name, reason, zones, stripe_widths(zones), P.mean(axis=(1, 2)), order, drift, rate, rate < SETTLED
+    )
+
+
+def _name(P: Array, order: float, rate: float, drift: Array, explained: float) -> tuple[str, str]:
+    if order < DISORDER:
+        return "disordered", f"order {order:.2g} is below {DISORDER}"
+    if rate >= SETTLED and explained >= TRANSLATION:
+        return "travelling", f"drifts at {drift[0]:.3g} around and {drift[1]:.3g} along the axis"
+    around = float(np.mean(P[0] ** 2)) / order**2
+    if around >= DOMINANT:
+        return "circumferential", f"{100 * around:.0f} % of the order runs around the axis"
+    crossings = np.sum(np.sign(P[1]) != np.sign(np.roll(P[1], 1, axis=0)), axis=0)
+    low, high = int(crossings.min()), int(crossings.max())
+    if low != high or around > 0.5:
+        return "undecided", f"{low} to {high} indifferent zones along the axis"
+    if high == 0 and np.all(P[1] > 0) | np.all(P[1] < 0):
+        return "unidirectional", "one polarity, no indifferent zone"
+    if high == 2:
+        return "cyclosis", "two stripes along the whole cell"
+    return "multistripe", f"{high} stripes along the whole cell"
+
+
+def _drift(grid: CylinderGrid, P: Array, change: Array) -> tuple[Array, float]:
+    """Fit dP/dt = -c·∇P; return c and the share of |dP/dt|² that it explains."""
+    spectrum = np.fft.fft2(P)
+    m, q = 1j * grid.m[:, None], 1j * grid.q[None, :]
+    gradients = np.stack([np.fft.ifft2(k * spectrum).real.ravel() for k in (m, q)])
+    target = change.ravel()
+    size = float(target @ target)
+    if size == 0.0 or not np.isfinite(size):
+        return np.zeros(2), 0.0
+    # Along a direction in which the state hardly varies a drift is not defined: leave it at zero.
+    scale = np.sqrt(np.sum(gradients**2, axis=1))
+    usable = scale > 1e-6 * np.sqrt(np.sum(P**2))
+    drift = np.zeros(2)
+    if usable.any():
+        drift[usable] = -np.linalg.lstsq(gradients[usable].T, target, rcond=1e-10)[0]
+    remainder = target + drift @ gradients
+    return drift, 1.0 - float(remainder @ remainder) / size

@@ -1,0 +1,1 @@
+"""How a cell moves: time steppers and single runs."""

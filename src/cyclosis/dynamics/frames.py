@@ -1,0 +1,55 @@
+"""Saved fields: kept in memory while they are few, in a temporary file once they are many."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from typing import IO, Any
+
+import numpy as np
+import numpy.typing as npt
+
+MEMORY_LIMIT = 256 * 2**20
+"""Bytes of frames that are kept in memory before all go to a temporary file."""
+
+
+class Frames:
+    """A growing sequence of arrays of one shape and type, read back one by one."""
+
+    def __init__(self, shape: tuple[int, ...], dtype: npt.DTypeLike, limit: int = MEMORY_LIMIT) -> None:
+        self.shape, self.dtype = shape, np.dtype(dtype)
+        self._bytes = int(np.prod(shape)) * self.dtype.itemsize
+        self._limit = limit
+        self._memory: list[npt.NDArray[Any]] = []
+        self._file: IO[bytes] | None = None
+        self._count = 0
+
+    def append(self, frame: npt.NDArray[Any]) -> None:
+        """Store a copy of `frame` at the end."""
+        kept = np.array(frame, dtype=self.dtype, order="C")
+        if self._file is None and (self._count + 1) * self._bytes > self._limit:
+            self._file = tempfile.TemporaryFile(prefix="cyclosis-frames-")  # noqa: SIM115
+            for earlier in self._memory:
+                self._file.write(earlier.tobytes())
+            self._memory.clear()
+        if self._file is None:
+            self._memory.append(kept)
+        else:
+            self._file.seek(self._count * self._bytes)
+            self._file.write(kept.tobytes())
+        self._count += 1
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, index: int) -> npt.NDArray[Any]:
+        if not -self._count <= index < self._count:
+            raise IndexError(f"frame {index} of {self._count}")
+        index %= self._count
+        if self._file is None:
+            return self._memory[index]
+        self._file.seek(index * self._bytes)
+        return np.frombuffer(self._file.read(self._bytes), self.dtype).reshape(self.shape)
+
+    def __iter__(self) -> Iterator[npt.NDArray[Any]]:
+        return (self[index] for index in range(self._count))

@@ -1,0 +1,104 @@
+"""What a run leaves behind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.filaments import Term
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from .frames import Frames
+from .settings import Settings
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Status(StrEnum):
+    """How a run ended."""
+
+    COMPLETED = "completed"
+    STEADY = "steady"
+    DIVERGED = "diverged"
+    UNDERRESOLVED = "underresolved"
+    INTERRUPTED = "interrupted"
+
+    @property
+    def meaning(self) -> str:
+        """What the status says."""
+        return _MEANING[self]
+
+
+_MEANING = {
+    Status.COMPLETED: "the run reached t_end",
+    Status.STEADY: "the state stopped changing, at the rate asked for, before t_end",
+    Status.DIVERGED: "|P| left its bound of 1 or no step was small enough; the last good state is kept",
+    Status.UNDERRESOLVED: "the run reached t_end but the grid was too coarse for what happened on it",
+    Status.INTERRUPTED: "the run was stopped from outside before t_end",
+}
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a run cost: right-hand sides evaluated, steps, and seconds on the clock."""
+
+    evaluations: int
+    accepted: int
+    rejected: int
+    wall_time: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One run: what was asked, what happened, and how it ended.
+
+    `times` (n,) and `frames` (n arrays P of shape (2, n_theta, n_z)) are the saved fields;
+    `record_times` (k,) and `records` (arrays (k, ...) by name) the recorded quantities of
+    `cyclosis.diagnostics.QUANTITIES`. `status` is a `Status`, reached at `status_time`, with a
+    `message` that says what to do; `t_final` and `final_state` are where the run stopped, and
+    `progress` is all that is needed to go on. Everything is dimensionless.
+    """
+
+    params: Parameters
+    grid: CylinderGrid
+    settings: Settings
+    terms: tuple[Term, ...]
+    times: Array
+    frames: Frames
+    record_times: Array
+    records: dict[str, npt.NDArray[Any]]
+    status: Status
+    status_time: float
+    message: str
+    t_final: float
+    final_state: Array
+    progress: dict[str, npt.NDArray[Any]]
+    effort: Effort
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run did what was asked: it completed, or became steady when told to stop there."""
+        return self.status in (Status.COMPLETED, Status.STEADY)
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return the run as an `xarray.Dataset` in memory, as a file of it would be read."""
+        from ..dataset import to_dataset
+
+        return to_dataset(self)
+
+    def __repr__(self) -> str:
+        last = f"{np.hypot(*self.final_state).max():.3f}"
+        return (
+            f"Trajectory: {self.status} at t = {self.status_time:g}\n"
+            f"├─ grid      {self.grid.n_theta} x {self.grid.n_z}, length {self.grid.length:g}\n"
+            f"├─ frames    {len(self.frames)} fields, {self.record_times.size} records, t = "
+            f"{self.times[0] if self.times.size else 0:g} to {self.t_final:g}\n"
+            f"├─ effort    {self.effort.evaluations} right-hand sides, {self.effort.accepted} steps, "
+            f"{self.effort.rejected} rejected, {self.effort.wall_time:.2f} s\n"
+            f"└─ final     max |P| = {last}"
+        )

@@ -1,0 +1,1 @@
+"""What a cell is: parameters, grid, flow, filaments, initial states."""

@@ -1,0 +1,72 @@
+"""What is said when input cannot be used: what was found, what is allowed, what to do."""
+
+from __future__ import annotations
+
+import numbers
+from typing import Any
+
+import numpy as np
+
+
+class InputError(ValueError):
+    """Input that cannot be used.
+
+    The message is one sentence naming the field, the value found, the rule and the remedy; the four
+    parts are also attributes.
+    """
+
+    def __init__(self, field: str, value: Any, rule: str, remedy: str) -> None:
+        self.field, self.value, self.rule, self.remedy = field, value, rule, remedy
+        super().__init__(f"{field} = {shown(value)} cannot be used: it must be {rule}; {remedy}.")
+
+
+def shown(value: Any, width: int = 60) -> str:
+    """Return `value` as a short one-line text for a message."""
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= width else text[: width - 3] + "..."
+
+
+def span(minimum: float, maximum: float) -> str:
+    """Return a range of numbers in words."""
+    if np.isinf(maximum):
+        return "of any size" if np.isinf(minimum) else f"of at least {minimum:g}"
+    return f"from {minimum:g} to {maximum:g}"
+
+
+def number(field: str, value: Any, minimum: float, maximum: float, remedy: str) -> float:
+    """Return `value` as a finite float within [minimum, maximum], or raise `InputError`."""
+    usable = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
+    if isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf":
+        usable = True
+    rule = f"one number {span(minimum, maximum)}"
+    try:
+        result = float(value) if usable else float("nan")
+    except OverflowError:
+        result = float("inf")
+    if not usable or not np.isfinite(result) or not minimum <= result <= maximum:
+        raise InputError(field, value, rule, remedy)
+    return result
+
+
+def whole(field: str, value: Any, minimum: int, maximum: int, remedy: str) -> int:
+    """Return `value` as an int within [minimum, maximum], or raise `InputError`."""
+    usable = isinstance(value, numbers.Integral) and not isinstance(value, bool | np.bool_)
+    if not usable or not minimum <= int(value) <= maximum:
+        raise InputError(field, value, f"a whole number from {minimum} to {maximum}", remedy)
+    return int(value)
+
+
+def flag(field: str, value: Any) -> bool:
+    """Return `value` as a bool, or raise `InputError`."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(field, value, "true or false", "write one of the two")
+    return bool(value)
+
+
+def choice(field: str, value: Any, allowed: tuple[str, ...]) -> str:
+    """Return `value` if it is one of `allowed`, or raise `InputError`."""
+    if not isinstance(value, str) or value not in allowed:
+        raise InputError(field, value, "one of " + ", ".join(allowed), "choose one of these names")
+    return value

@@ -1,0 +1,172 @@
+"""The filament equation, as one tuple of named terms.
+
+    dP/dt = - ε (u·∇)P + d⁽ˢ⁾ ∇²P - d⁽ʳ⁾ P
+            + (I - PP)·[ε (P·∇)u + α_p P + α_u u - κ (P·d) d]
+
+(Woodhouse & Goldstein 2013; (∇u)·P is read as (P·∇)u). Packed fields p = P_theta + i P_z are used
+throughout, see `spectral`. Dynamics, budget and linearisation all read the tuple `TERMS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .errors import InputError
+from .moment import Moment
+from .spectral import dot, pack, unpack
+
+
+@dataclass(frozen=True)
+class Term:
+    """One term of dP/dt.
+
+    A `torque` acts through the projector (I - PP), a `rate` directly, a `linear` term is a real
+    multiplier in Fourier space; these take a `Moment`. A `custom` term is the user's
+    `function(t, P, u, params, grid)` with P, u and its result of shape (2, n_theta, n_z), traceable by
+    JAX; `params` holds the values of `Parameters` by name and `grid` the points on which P is given.
+    """
+
+    name: str
+    formula: str
+    kind: Literal["torque", "rate", "linear", "custom"]
+    function: Callable[..., Any]
+
+
+def advection(now: Moment) -> jax.Array:
+    """Return -ε (u·∇)P."""
+    along_theta, along_z = now.gradient(now.spectrum)
+    return -now.values.epsilon * (now.u.real * along_theta + now.u.imag * along_z)
+
+
+def shear(now: Moment) -> jax.Array:
+    """Return ε (P·∇)u."""
+    along_theta, along_z = now.gradient(now.flow_spectrum)
+    return now.values.epsilon * (now.p.real * along_theta + now.p.imag * along_z)
+
+
+def bundling(now: Moment) -> jax.Array:
+    """Return α_p P."""
+    return now.values.alpha_p * now.p
+
+
+def flow_alignment(now: Moment) -> jax.Array:
+    """Return α_u u."""
+    return now.values.alpha_u * now.u
+
+
+def repulsion(now: Moment) -> jax.Array:
+    """Return -κ (P·d) d, which packed is -κ (p + e^{2iφ} p*) / 2."""
+    return -0.5 * (now.values.kappa * now.p + now.values.kappa_mirror * jnp.conj(now.p))
+
+
+def diffusion(now: Moment) -> jax.Array:
+    """Return the symbol -d⁽ˢ⁾ k² of d⁽ˢ⁾ ∇²P."""
+    return -now.values.d_s * now.space.k2
+
+
+def rotational_diffusion(now: Moment) -> jax.Array:
+    """Return the symbol -d⁽ʳ⁾ of -d⁽ʳ⁾ P."""
+    return -now.values.d_r * jnp.ones_like(now.space.k2)
+
+
+TERMS = (
+    Term("advection", "-ε (u·∇)P", "rate", advection),
+    Term("shear", "(I - PP)·ε (P·∇)u", "torque", shear),
+    Term("bundling", "(I - PP)·α_p P", "torque", bundling),
+    Term("flow_alignment", "(I - PP)·α_u u", "torque", flow_alignment),
+    Term("repulsion", "-(I - PP)·κ (P·d) d", "torque", repulsion),
+    Term("diffusion", "d_s ∇²P", "linear", diffusion),
+    Term("rotational_diffusion", "-d_r P", "linear", rotational_diffusion),
+)
+
+TermLike = str | Term | Callable[..., Any]
+
+
+def select_terms(terms: Iterable[TermLike] | None = None) -> tuple[Term, ...]:
+    """Return the terms that act: all by default, else those named, given, or written by the user.
+
+    Raises `InputError` for unknown names, repeats and anything that is not callable.
+    """
+    if terms is None:
+        return TERMS
+    known = {term.name: term for term in TERMS}
+    rule = "a list of " + ", ".join(known) + ", or functions term(t, P, u, params, grid)"
+    if isinstance(terms, str) or not isinstance(terms, Iterable):
+        raise InputError("terms", terms, rule, "write them as a list")
+    chosen = []
+    for item in terms:
+        if isinstance(item, Term):
+            chosen.append(item)
+        elif isinstance(item, str) and item in known:
+            chosen.append(known[item])
+        elif callable(item):
+            name = getattr(item, "__name__", type(item).__name__)
+            chosen.append(Term(name, f"{name}(t, P, u)", "custom", item))
+        else:
+            raise InputError("terms", item, rule, "check the spelling")
+    names = [term.name for term in chosen]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError("terms", name, "a list without repeats", "name each term once")
+    return tuple(chosen)
+
+
+def project(p: jax.Array, torque: jax.Array) -> jax.Array:
+    """Return (I - PP)·torque."""
+    return torque - p * dot(p, torque)
+
+
+def rates(now: Moment, terms: tuple[Term, ...]) -> dict[str, jax.Array]:
+    """Return what each term alone adds to dP/dt, packed and in physical space."""
+    return {term.name: _rate(now, term) for term in terms}
+
+
+def _rate(now: Moment, term: Term) -> jax.Array:
+    if term.kind == "linear":
+        return now.space.to_physical(term.function(now) * now.spectrum)
+    if term.kind == "custom":
+        P, u = unpack(now.p), unpack(now.u)
+        return pack(term.function(now.time, P, u, now.values, now.grid)).astype(now.p.dtype)
+    value = term.function(now)
+    return project(now.p, value) if term.kind == "torque" else value
+
+
+def linear_symbol(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
+    """Return the real multiplier of the linear terms in Fourier space, shape (n_theta, n_z)."""
+    symbols = [term.function(now) for term in terms if term.kind == "linear"]
+    return sum(symbols, jnp.zeros_like(now.space.k2))
+
+
+def nonlinear(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
+    """Return the spectrum of all terms that are not linear.
+
+    With advection and shear both acting they are fused into one transport term. With
+    s = u_theta P_z - u_z P_theta and E the strain of the divergence-free u,
+
+        (P·∇)u - (u·∇)P = (d_z s, -d_theta s) - u (∇·P),      P·(P·∇)u = P·E·P,
+
+    which needs three transforms where the two terms apart need eight.
+    """
+    names = {term.name for term in terms}
+    fused = {"advection", "shear"} <= names
+    separate = [t for t in terms if t.kind != "linear" and not (fused and t.name in ("advection", "shear"))]
+    torque = sum((t.function(now) for t in separate if t.kind == "torque"), jnp.zeros_like(now.p))
+    rate = project(now.p, torque)
+    for term in separate:
+        if term.kind != "torque":
+            rate = rate + _rate(now, term)
+    if not fused:
+        return now.space.to_spectrum(rate)
+    p, u, strain, epsilon = now.p, now.u, now.strain, now.values.epsilon
+    stretching = strain.real * (p.real**2 - p.imag**2) + 2 * strain.imag * p.real * p.imag
+    rate = rate - epsilon * (u * now.divergence + p * stretching)
+    s = u.real * p.imag - u.imag * p.real
+    # The curl (d_z s, -d_theta s) packs to the spectrum K s_k.
+    return now.space.to_spectrum(rate) + epsilon * now.space.K * now.space.to_spectrum(s)

@@ -1,0 +1,56 @@
+"""From the filaments' force to the flow of the cytoplasm.
+
+Stokes flow with friction in a thin periodic layer (Woodhouse & Goldstein 2013):
+
+    -μ ∇²u + u + Π₀ e_z + ∇Π' = F,   ∇·u = 0,   <u_z> = 0,   F = |P|ⁿ P
+
+In Fourier space u_k = (I - kk/k²)·F_k / (1 + μ k²) for k ≠ 0; packed (see `spectral`) this is
+U_k = [F_k - (K²/|K|²) conj(F_{-k})] / (2 (1 + μ k²)). At k = 0, u_z vanishes by the axial pressure
+gradient Π₀ = <F_z>, and u_theta = <F_theta> unless `zero_theta_flux` holds it at zero too.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from .spectral import Space, dot, reverse
+
+
+class FlowOperator(NamedTuple):
+    """The linear map from force to flow: U = direct F + mirror conj(F_{-k}) + mean Re F."""
+
+    direct: Any
+    mirror: Any
+    mean: Any
+
+
+def flow_operator(space: Space, mu: Any, zero_theta_flux: Any) -> FlowOperator:
+    """Return the `FlowOperator` of a space; arithmetic alone, for NumPy and traced values alike."""
+    green = 0.5 * space.keep / (1.0 + mu * space.k2)
+    return FlowOperator(
+        direct=green * (1.0 - space.mean),
+        mirror=-green * space.unit,
+        mean=space.mean * (1.0 - zero_theta_flux),
+    )
+
+
+def force(p: jax.Array, exponent: Any, cubic: bool) -> jax.Array:
+    """Return the packed force |P|ⁿ P; `cubic` says that n is 2 and spares the power."""
+    square = dot(p, p)
+    if cubic:
+        return square * p
+    # A power of exactly zero would make 0⁰ or an infinite slope at P = 0 out of a finite force.
+    positive = jnp.where(square > 0, square, 1.0)
+    return jnp.where(square > 0, positive ** (0.5 * exponent), jnp.where(exponent > 0, 0.0, 1.0)) * p
+
+
+def flow_spectrum(operator: FlowOperator, force_spectrum: jax.Array) -> jax.Array:
+    """Return the spectrum of the flow that a force drives."""
+    return (
+        operator.direct * force_spectrum
+        + operator.mirror * reverse(force_spectrum)
+        + operator.mean * force_spectrum.real
+    )

@@ -1,0 +1,124 @@
+"""Initial states: arrays P of shape (2, n_theta, n_z), dimensionless."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .definitions import definition
+from .errors import InputError
+from .grid import Array, CylinderGrid, interpolate
+
+
+def noise(
+    grid: CylinderGrid,
+    filaments_per_square: float = 1000,
+    seed: int = 0,
+    noise_grid: tuple[int, int] | None = None,
+) -> Array:
+    """Return the order vector of N randomly oriented filaments in every grid square.
+
+    P_theta and P_z are independent and normal with mean 0 and variance 1/(2N), drawn by
+    `numpy.random.default_rng(seed).normal(size=(2, n_theta, n_z))` on `noise_grid` (default: the
+    grid itself) and interpolated spectrally where the two differ, so that one seed means one state on
+    every grid. Source: Woodhouse & Goldstein 2013, Materials and Methods.
+    """
+    N = definition("initial", "filaments_per_square").check(filaments_per_square)
+    seed = definition("initial", "seed").check(seed)
+    shape = definition("initial", "noise_grid").check(noise_grid) or grid.shape
+    drawn = np.random.default_rng(seed).normal(size=(2, *shape)) * np.sqrt(0.5 / N)
+    return interpolate(drawn, grid.shape)
+
+
+def disordered(
+    grid: CylinderGrid,
+    filaments_per_square: float = 1000,
+    seed: int = 0,
+    noise_grid: tuple[int, int] | None = None,
+) -> Array:
+    """Return total filament disorder: `noise` alone. Raises `InputError` where |P| > 1."""
+    return with_noise(np.zeros((2, *grid.shape)), grid, filaments_per_square, seed, noise_grid)
+
+
+def with_noise(
+    state: npt.ArrayLike,
+    grid: CylinderGrid,
+    filaments_per_square: float = 1000,
+    seed: int = 0,
+    noise_grid: tuple[int, int] | None = None,
+) -> Array:
+    """Return a state with `noise` added. Raises `InputError` where |P| > 1 then."""
+    noisy = grid.check_state(state) + noise(grid, filaments_per_square, seed, noise_grid)
+    return grid.check_state(noisy, "the initial state", bounded=True)
+
+
+def unidirectional(grid: CylinderGrid, magnitude: float = 0.9) -> Array:
+    """Return P = `magnitude` e_z everywhere (the steady state has P0² = 1 - d_r/alpha_p)."""
+    state = np.zeros((2, *grid.shape))
+    state[1] = definition("initial", "magnitude").check(magnitude)
+    return state
+
+
+def circumferential(grid: CylinderGrid, magnitude: float = 0.9) -> Array:
+    """Return P = `magnitude` e_theta everywhere."""
+    return unidirectional(grid, magnitude)[::-1].copy()
+
+
+def stripes(grid: CylinderGrid, count: int = 2, magnitude: float = 0.9) -> Array:
+    """Return `count` stripes of equal width along the cell: P_z = magnitude sin(count theta / 2)."""
+    number = definition("initial", "stripes").check(count)
+    if number % 2:
+        raise InputError("stripes", count, "an even number", "stripes alternate around the cell")
+    if number // 2 > (grid.n_theta - 1) // 2:
+        raise InputError("stripes", count, f"resolved by n_theta = {grid.n_theta}", "raise n_theta")
+    state = np.zeros((2, *grid.shape))
+    profile = definition("initial", "magnitude").check(magnitude) * np.sin(number / 2 * grid.theta)
+    state[1] = profile[:, None]
+    return state
+
+
+def fitted(grid: CylinderGrid, state: Any) -> Array:
+    """Return a state given on any grid of the same cylinder, interpolated onto `grid`.
+
+    Raises `InputError` for an array that is no state, or with |P| > 1.
+    """
+    array = np.asarray(state)
+    if array.ndim != 3 or array.shape[0] != 2 or min(array.shape[1:]) < 8:
+        raise InputError(
+            "the initial state", array, "an array of shape (2, n_theta, n_z) with at least 8 points each way",
+            "give both components on a grid",
+        )  # fmt: skip
+    own = CylinderGrid(array.shape[1], array.shape[2], grid.length)
+    return grid.check_state(
+        interpolate(own.check_state(array), grid.shape), "the initial state", bounded=True
+    )
+
+
+def from_file(path: str, grid: CylinderGrid, frame: int = -1) -> Array:
+    """Return a state stored in a file, interpolated onto `grid`.
+
+    Reads variable `P` of a NetCDF file (time, component, theta, z), taking `frame`, or a NumPy file
+    `.npy` with one array (2, n_theta, n_z). Raises `InputError` for a file that is neither, or has no
+    such frame.
+    """
+    try:
+        if str(path).endswith(".npy"):
+            stored = np.load(path, allow_pickle=False)
+        else:
+            import h5py
+
+            with h5py.File(path, "r") as file:
+                frames = file["P"]
+                if not -len(frames) <= frame < len(frames):
+                    raise InputError("frame", frame, f"one of the {len(frames)} frames stored", "choose another")
+                stored = np.asarray(frames[frame % len(frames)])
+    except (OSError, KeyError, EOFError, ValueError, TypeError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            "path", str(path), "a readable .nc file with a variable P, or a .npy file", f"it gave: {reason[:90]}"
+        ) from error
+    return fitted(grid, stored)

@@ -1,0 +1,102 @@
+"""The parameters of a cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .definitions import PARAMETERS, definition, defaults
+from .errors import InputError
+
+Coupling = float | npt.NDArray[np.float64]
+
+_DEFAULT = defaults("parameters")
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters:
+    """Dimensionless parameters of the filament and flow equations.
+
+        dP/dt + ε (u·∇)P = d⁽ˢ⁾ ∇²P - d⁽ʳ⁾ P
+                           + (I - PP)·[ε (∇u)·P + α_p P + α_u u - κ (P·d) d]
+        -μ ∇²u + u + Π₀ e_z + ∇Π' = |P|ⁿ P,   ∇·u = 0,   <u_z> = 0
+
+    Every value is dimensionless: lengths in radii R, times in R/U with U = Φ/ν (see `Scales`). The
+    defaults are those of Woodhouse & Goldstein, PNAS 110 (2013), Fig. 4. Each may be a number;
+    `alpha_p`, `alpha_u`, `kappa` and `repulsion_angle` may also be an array (n_theta, n_z).
+    Ranges are in `cyclosis.model.definitions`; anything outside raises `InputError`.
+    """
+
+    alpha_p: Coupling = _DEFAULT["alpha_p"]
+    alpha_u: Coupling = _DEFAULT["alpha_u"]
+    epsilon: float = _DEFAULT["epsilon"]
+    d_s: float = _DEFAULT["d_s"]
+    d_r: float = _DEFAULT["d_r"]
+    kappa: Coupling = _DEFAULT["kappa"]
+    mu: float = _DEFAULT["mu"]
+    repulsion_angle: Coupling = _DEFAULT["repulsion_angle"]
+    zero_theta_flux: bool = _DEFAULT["zero_theta_flux"]
+    force_exponent: float = _DEFAULT["force_exponent"]
+
+    def __post_init__(self) -> None:
+        for item in PARAMETERS:
+            value = getattr(self, item.name)
+            if item.field and (isinstance(value, list | tuple) or np.ndim(value) > 0):
+                value = _field(item.name, value)
+            else:
+                value = item.check(value)
+            object.__setattr__(self, item.name, value)
+        shapes = {value.shape for _, value in self.items() if isinstance(value, np.ndarray)}
+        if len(shapes) > 1:
+            raise InputError("fields", sorted(shapes), "given on one grid", "give all of them one shape")
+
+    def items(self) -> Iterator[tuple[str, Any]]:
+        """Iterate over (name, value) in the order of definition."""
+        return ((item.name, getattr(self, item.name)) for item in fields(self))
+
+    def replace(self, **changes: Any) -> Parameters:
+        """Return a copy with some values changed (the same checks apply)."""
+        unknown = set(changes) - {item.name for item in fields(self)}
+        if unknown:
+            raise InputError("parameter", min(unknown), "one of " + ", ".join(_DEFAULT), "check the spelling")
+        return replace(self, **changes)
+
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """The shape of the field-valued parameters, or None when all are numbers."""
+        return next((v.shape for _, v in self.items() if isinstance(v, np.ndarray)), None)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Parameters):
+            return NotImplemented
+        return all(np.array_equal(a, b) for (_, a), (_, b) in zip(self.items(), other.items(), strict=True))
+
+    def __hash__(self) -> int:
+        return hash(tuple(v.tobytes() if isinstance(v, np.ndarray) else v for _, v in self.items()))
+
+    def __repr__(self) -> str:
+        return "Parameters(" + ", ".join(f"{name}={_text(value)}" for name, value in self.items()) + ")"
+
+
+def _text(value: Any) -> str:
+    return f"<field {value.shape}>" if isinstance(value, np.ndarray) else f"{value!r}"
+
+
+def _field(name: str, value: Any) -> npt.NDArray[np.float64]:
+    item = definition("parameters", name)
+    rule = f"a number or an array (n_theta, n_z) of numbers {item.rule}"
+    try:
+        given = np.asarray(value)
+        array = np.array(given, dtype=np.float64) if given.dtype.kind in "iuf" else None
+    except (TypeError, ValueError):
+        array = None
+    if array is None or array.ndim != 2:
+        raise InputError(name, value, rule, "give a two-dimensional array of real numbers")
+    if not np.all(np.isfinite(array)) or array.min() < item.minimum or array.max() > item.maximum:
+        raise InputError(name, array, rule, "change the entries that are outside or not finite")
+    array.setflags(write=False)
+    return array

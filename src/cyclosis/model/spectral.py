@@ -1,0 +1,145 @@
+"""Packed Fourier transforms on the cylinder.
+
+A vector field (v_theta, v_z) is packed into one complex field v = v_theta + i v_z, so that one complex
+transform carries both components. With K = m + i q and conj-reversal R[V]_k = conj(V_{-k}):
+
+    gradient of a real scalar s:   i K s_k
+    divergence + i curl of v:      i conj(K) V_k
+    strain E_tt + i E_tz of a divergence-free u:   i K U_k / 2
+    the two components apart:      (V_k + R[V]_k) / 2  and  (V_k - R[V]_k) / (2 i)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+
+from .grid import CylinderGrid
+
+PADDING = {"none": Fraction(1), "quadratic": Fraction(3, 2), "cubic": Fraction(2), "full": Fraction(5, 2)}
+"""Factor by which each direction is refined where products are formed.
+
+A product of d band-limited factors aliases into the resolved modes unless the grid is (d + 1)/2 times
+finer. The force |P|²P is cubic; the projected terms, P P (P·E·P) or a coefficient field times P P P,
+are quartic: 5/2 removes all aliasing of this model.
+"""
+
+
+@dataclass(frozen=True)
+class Space:
+    """Wavenumbers of a grid and the transforms on it (a traceable value).
+
+    Arrays of the grid's shape: `K` = m + i q, `k2` = |K|², `unit` = K²/|K|² (0 at k = 0), `keep` (0 on
+    the Nyquist modes, 1 elsewhere) and `mean` (1 at k = 0, 0 elsewhere). `shape` is the grid's,
+    `fine` the shape on which products are formed.
+    """
+
+    K: Any
+    k2: Any
+    unit: Any
+    keep: Any
+    mean: Any
+    shape: tuple[int, int]
+    fine: tuple[int, int]
+
+    def to_physical(self, spectrum: jax.Array) -> jax.Array:
+        """Return the packed field on the fine grid."""
+        if self.fine == self.shape:
+            return jnp.fft.ifft2(spectrum)
+        scale = self.fine[0] * self.fine[1] / (self.shape[0] * self.shape[1])
+        for axis in (0, 1):
+            spectrum = _insert_zeros(spectrum, self.shape[axis], self.fine[axis], axis)
+        return jnp.fft.ifft2(spectrum * scale)
+
+    def to_spectrum(self, field: jax.Array) -> jax.Array:
+        """Return the resolved modes of a packed (or real) field on the fine grid."""
+        spectrum = jnp.fft.fft2(field.astype(self.K.dtype))
+        if self.fine == self.shape:
+            return spectrum * self.keep
+        for axis in (0, 1):
+            spectrum = _drop_modes(spectrum, self.shape[axis], self.fine[axis], axis)
+        return spectrum * (self.keep * (self.shape[0] * self.shape[1] / (self.fine[0] * self.fine[1])))
+
+
+jax.tree_util.register_dataclass(
+    Space, data_fields=["K", "k2", "unit", "keep", "mean"], meta_fields=["shape", "fine"]
+)
+
+
+def space(grid: CylinderGrid, dealias: str = "none", precision: str = "float64") -> Space:
+    """Return the `Space` of a grid, in NumPy arrays of the given precision."""
+    keep = np.outer(*(_not_nyquist(n) for n in grid.shape))
+    K = (grid.m[:, None] + 1j * grid.q[None, :]) * keep
+    k2 = grid.m[:, None] ** 2 + grid.q[None, :] ** 2
+    unit = np.divide(K**2, k2, out=np.zeros_like(K), where=k2 > 0)
+    mean = np.zeros(grid.shape)
+    mean[0, 0] = 1.0
+    real, packed = dtypes(precision)
+    return Space(
+        K.astype(packed), k2.astype(real), unit.astype(packed), keep.astype(real), mean.astype(real),
+        grid.shape, fine_shape(grid.shape, dealias),
+    )  # fmt: skip
+
+
+def fine_shape(shape: tuple[int, int], dealias: str) -> tuple[int, int]:
+    """Return the shape on which products are formed under a dealiasing rule."""
+    factor = PADDING[dealias]
+    if factor == 1:
+        return shape
+    first, second = (2 * -(-(n * factor) // 2) for n in shape)
+    return (int(first), int(second))
+
+
+def dtypes(precision: str) -> tuple[type[np.floating[Any]], type[np.complexfloating[Any, Any]]]:
+    """Return the real and the complex type of a precision."""
+    return (np.float64, np.complex128) if precision == "float64" else (np.float32, np.complex64)
+
+
+def reverse(spectrum: jax.Array) -> jax.Array:
+    """Return conj(V_{-k}), the spectrum of the conjugate field."""
+    return jnp.conj(jnp.roll(jnp.flip(spectrum, (-2, -1)), (1, 1), (-2, -1)))
+
+
+def dot(a: jax.Array, b: jax.Array) -> jax.Array:
+    """Return the scalar product of two packed vectors."""
+    return a.real * b.real + a.imag * b.imag
+
+
+def pack(vector: npt.ArrayLike) -> Any:
+    """Return v_theta + i v_z from (2, n_theta, n_z), in the library that holds `vector`."""
+    array = vector if isinstance(vector, jax.Array) else np.asarray(vector)
+    return array[0] + 1j * array[1]
+
+
+def unpack(field: jax.Array) -> jax.Array:
+    """Return (2, n_theta, n_z) from v_theta + i v_z."""
+    return jnp.stack([field.real, field.imag])
+
+
+def _not_nyquist(n: int) -> npt.NDArray[np.float64]:
+    kept = np.ones(n)
+    if n % 2 == 0:
+        kept[n // 2] = 0.0
+    return kept
+
+
+def _insert_zeros(spectrum: jax.Array, n: int, fine: int, axis: int) -> jax.Array:
+    low, high = (n + 1) // 2, (n - 1) // 2
+    parts = jnp.split(spectrum, [low, n - high], axis)
+    gap = list(spectrum.shape)
+    gap[axis] = fine - low - high
+    return jnp.concatenate([parts[0], jnp.zeros(gap, spectrum.dtype), parts[2]], axis)
+
+
+def _drop_modes(spectrum: jax.Array, n: int, fine: int, axis: int) -> jax.Array:
+    low, high = (n + 1) // 2, (n - 1) // 2
+    parts = jnp.split(spectrum, [low, fine - high], axis)
+    gap = list(spectrum.shape)
+    gap[axis] = n - low - high
+    return jnp.concatenate([parts[0], jnp.zeros(gap, spectrum.dtype), parts[2]], axis)
