@@ -8,7 +8,9 @@ BIN    := $(VENV)/bin
 .PHONY: demo test check lint clean
 
 demo: $(VENV)/installed
-	@$(BIN)/python examples/demo.py results
+	@mkdir -p results
+	@$(BIN)/cyclosis run --config examples/figure4.toml --out results/figure4.nc --force
+	@$(BIN)/cyclosis figure emergence results/figure4.nc --out results/figure4.png --force
 
 test: $(VENV)/installed lint
 	$(BIN)/python -m pytest -n 2 -m "not slow"

@@ -100,11 +100,13 @@ def _name(P: Array, order: float, rate: float, drift: Array, explained: float) -
     around = float(np.mean(P[0] ** 2)) / order**2
     if around >= DOMINANT:
         return "circumferential", f"{100 * around:.0f} % of the order runs around the axis"
-    crossings = np.sum(np.sign(P[1]) != np.sign(np.roll(P[1], 1, axis=0)), axis=0)
+    up = P[1] > 0
+    crossings = np.sum(up != np.roll(up, 1, axis=0), axis=0)
     low, high = int(crossings.min()), int(crossings.max())
-    if low != high or around > 0.5:
+    one_sign = bool(up.all() or not up.any())
+    if low != high or around > 0.5 or (high == 0 and not one_sign):
         return "undecided", f"{low} to {high} indifferent zones along the axis"
-    if high == 0 and np.all(P[1] > 0) | np.all(P[1] < 0):
+    if high == 0:
         return "unidirectional", "one polarity, no indifferent zone"
     if high == 2:
         return "cyclosis", "two stripes along the whole cell"

@@ -48,6 +48,8 @@ def indifferent_zones(grid: CylinderGrid, state: npt.ArrayLike) -> list[Zone]:
     lines = contourpy.contour_generator(z, theta, P_z).lines(0.0)
     period = np.array([grid.length, 2 * np.pi])
     zones = [_zone(line, period) for line in _joined([np.asarray(line) for line in lines], period)]
+    # Where a zero falls exactly on a corner of the grid, tracing leaves a piece of no length.
+    zones = [zone for zone in zones if zone.arc_length > 1e-9]
     return sorted(zones, key=lambda zone: -zone.arc_length)
 
 

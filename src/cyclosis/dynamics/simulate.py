@@ -168,7 +168,7 @@ class _Run:
             began = clock.perf_counter()
             try:
                 now = advance(self.device_cell, self.control, now, np.float64(target), np.int64(steps), adaptive)
-                jax.block_until_ready(now)
+                now.t.block_until_ready()
                 if self.report is not None:
                     self.report(Snapshot(float(now.t), self.how.t_end, self._state(now), self._wall()))
             except KeyboardInterrupt:

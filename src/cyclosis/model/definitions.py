@@ -74,6 +74,15 @@ class Definition:
             return value
         return self._check_list(value)
 
+    def parse(self, text: str) -> Any:
+        """Return the value that a text on the command line stands for, checked."""
+        if self.kind in ("names", "numbers", "shape"):
+            parts = [part.strip() for part in text.split(",")]
+            return self.check(parts if self.kind == "names" else [_plain(part) for part in parts])
+        if self.kind in ("text", "choice"):
+            return self.check(text)
+        return self.check(_plain(text))
+
     def _check_list(self, value: Any) -> tuple[Any, ...]:
         listed = isinstance(value, list | tuple)
         if self.kind == "names":
@@ -91,6 +100,18 @@ class Definition:
         if any(b <= a for a, b in zip(times, times[1:], strict=False)):
             raise errors.InputError(self.name, value, self.rule, "sort them and leave out repeats")
         return times
+
+
+def _plain(text: str) -> Any:
+    """Return a text as bool, int or float where it is one, else as it is."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
 
 
 PARAMETERS = (

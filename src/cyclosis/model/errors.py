@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 from typing import Any
-
-import numpy as np
 
 
 class InputError(ValueError):
@@ -22,7 +21,7 @@ class InputError(ValueError):
 
 def shown(value: Any, width: int = 60) -> str:
     """Return `value` as a short one-line text for a message."""
-    if isinstance(value, np.ndarray):
+    if getattr(value, "ndim", 0):
         return f"an array of shape {value.shape}"
     text = " ".join(repr(value).split())
     return text if len(text) <= width else text[: width - 3] + "..."
@@ -30,29 +29,27 @@ def shown(value: Any, width: int = 60) -> str:
 
 def span(minimum: float, maximum: float) -> str:
     """Return a range of numbers in words."""
-    if np.isinf(maximum):
-        return "of any size" if np.isinf(minimum) else f"of at least {minimum:g}"
     return f"from {minimum:g} to {maximum:g}"
 
 
 def number(field: str, value: Any, minimum: float, maximum: float, remedy: str) -> float:
     """Return `value` as a finite float within [minimum, maximum], or raise `InputError`."""
-    usable = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
-    if isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf":
-        usable = True
+    usable = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if getattr(value, "shape", None) == () and getattr(value.dtype, "kind", "") in "iuf":
+        usable, value = True, value.item()
     rule = f"one number {span(minimum, maximum)}"
     try:
         result = float(value) if usable else float("nan")
     except OverflowError:
         result = float("inf")
-    if not usable or not np.isfinite(result) or not minimum <= result <= maximum:
+    if not usable or not math.isfinite(result) or not minimum <= result <= maximum:
         raise InputError(field, value, rule, remedy)
     return result
 
 
 def whole(field: str, value: Any, minimum: int, maximum: int, remedy: str) -> int:
     """Return `value` as an int within [minimum, maximum], or raise `InputError`."""
-    usable = isinstance(value, numbers.Integral) and not isinstance(value, bool | np.bool_)
+    usable = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not usable or not minimum <= int(value) <= maximum:
         raise InputError(field, value, f"a whole number from {minimum} to {maximum}", remedy)
     return int(value)
@@ -60,9 +57,10 @@ def whole(field: str, value: Any, minimum: int, maximum: int, remedy: str) -> in
 
 def flag(field: str, value: Any) -> bool:
     """Return `value` as a bool, or raise `InputError`."""
-    if not isinstance(value, bool | np.bool_):
+    plain = value.item() if getattr(value, "shape", None) == () else value
+    if not isinstance(plain, bool):
         raise InputError(field, value, "true or false", "write one of the two")
-    return bool(value)
+    return plain
 
 
 def choice(field: str, value: Any, allowed: tuple[str, ...]) -> str:

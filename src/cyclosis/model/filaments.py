@@ -163,10 +163,11 @@ def nonlinear(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
         if term.kind != "torque":
             rate = rate + _rate(now, term)
     if not fused:
-        return now.space.to_spectrum(rate)
+        return now.space.keep * now.space.to_spectrum(rate)
     p, u, strain, epsilon = now.p, now.u, now.strain, now.values.epsilon
     stretching = strain.real * (p.real**2 - p.imag**2) + 2 * strain.imag * p.real * p.imag
     rate = rate - epsilon * (u * now.divergence + p * stretching)
     s = u.real * p.imag - u.imag * p.real
     # The curl (d_z s, -d_theta s) packs to the spectrum K s_k.
-    return now.space.to_spectrum(rate) + epsilon * now.space.K * now.space.to_spectrum(s)
+    curl = epsilon * now.space.K * now.space.to_spectrum(s)
+    return now.space.keep * now.space.to_spectrum(rate) + curl

@@ -39,22 +39,22 @@ class CylinderGrid:
     @property
     def theta(self) -> Array:
         """Angles of the points, shape (n_theta,), radians."""
-        return 2 * np.pi * np.arange(self.n_theta) / self.n_theta
+        return 2 * np.pi / self.n_theta * np.arange(self.n_theta)
 
     @property
     def z(self) -> Array:
         """Axial positions of the points, shape (n_z,), in radii."""
-        return self.length * np.arange(self.n_z) / self.n_z
+        return self.length / self.n_z * np.arange(self.n_z)
 
     @property
     def m(self) -> Array:
         """Azimuthal wavenumbers in transform order, shape (n_theta,)."""
-        return np.fft.fftfreq(self.n_theta, 1 / self.n_theta)
+        return _mode_numbers(self.n_theta)
 
     @property
     def q(self) -> Array:
         """Axial wavenumbers 2π j / length in transform order, shape (n_z,)."""
-        return np.fft.fftfreq(self.n_z, 1 / self.n_z) * (2 * np.pi / self.length)
+        return _mode_numbers(self.n_z) * (2 * np.pi / self.length)
 
     def resized(self, n_theta: int, n_z: int) -> CylinderGrid:
         """Return a grid on the same cylinder with other numbers of points."""
@@ -100,6 +100,10 @@ def interpolate(values: npt.ArrayLike, shape: tuple[int, int]) -> Array:
     rows, cols = (_shared_modes(a, b) for a, b in zip(field.shape[-2:], shape, strict=True))
     target[..., rows[:, None], cols] = spectrum[..., rows[:, None], cols]
     return np.fft.ifft2(target, norm="forward").real
+
+
+def _mode_numbers(n: int) -> Array:
+    return np.rint(n * np.fft.fftfreq(n)).astype(np.float64)
 
 
 def _shared_modes(n: int, m: int) -> npt.NDArray[np.int64]:

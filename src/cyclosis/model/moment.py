@@ -55,7 +55,7 @@ class Moment:
 
     @cached_property
     def force_spectrum(self) -> jax.Array:
-        """The resolved modes of the force."""
+        """The spectrum of the force."""
         return self.space.to_spectrum(self.force)
 
     @cached_property

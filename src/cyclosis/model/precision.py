@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 
 import jax
+import jax.numpy as jnp
 
 from .errors import InputError
 
@@ -17,7 +18,7 @@ def double() -> AbstractContextManager[None]:
 
 def require_double(precision: str) -> None:
     """Raise `InputError` if a function that is being traced cannot have the precision asked for."""
-    if precision == "float64" and not jax.config.jax_enable_x64:
+    if precision == "float64" and jnp.result_type(float) != jnp.float64:
         raise InputError(
             "precision", precision, "float32 while JAX's x64 mode is off",
             "call jax.config.update('jax_enable_x64', True) first",

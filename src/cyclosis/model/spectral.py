@@ -58,13 +58,16 @@ class Space:
         return jnp.fft.ifft2(spectrum * scale)
 
     def to_spectrum(self, field: jax.Array) -> jax.Array:
-        """Return the resolved modes of a packed (or real) field on the fine grid."""
+        """Return the modes of a packed (or real) field on the fine grid that the grid has room for.
+
+        Nyquist modes are left in: all that follows multiplies by `keep` or K, which remove them.
+        """
         spectrum = jnp.fft.fft2(field.astype(self.K.dtype))
         if self.fine == self.shape:
-            return spectrum * self.keep
+            return spectrum
         for axis in (0, 1):
             spectrum = _drop_modes(spectrum, self.shape[axis], self.fine[axis], axis)
-        return spectrum * (self.keep * (self.shape[0] * self.shape[1] / (self.fine[0] * self.fine[1])))
+        return spectrum * (self.shape[0] * self.shape[1] / (self.fine[0] * self.fine[1]))
 
 
 jax.tree_util.register_dataclass(

@@ -1,0 +1,106 @@
+"""Frames of a run's dataset: reading one, finding those at given times, choosing those that tell the story."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray
+
+from ..analysis.zones import zone_angles
+from ..model.errors import InputError, number
+from ..model.grid import Array, CylinderGrid
+
+# Shares of the whole way that P travels until the end. Most of it lies in the growth and the straightening;
+# the last frames, when next to nothing moves any more, hardly count, however long the run went on.
+_FIRST, _LAST = 0.035, 0.995
+_DIMS = ("time", "component", "theta", "z")
+
+
+def grid_of(dataset: Any) -> CylinderGrid:
+    """Return the grid of a run's dataset. Raises `InputError` if it is none, or has no fields."""
+    if not isinstance(dataset, xarray.Dataset):
+        raise InputError("dataset", type(dataset).__name__, "an xarray.Dataset", "use the dataset of a run")
+    for name in ("P", "u"):
+        if name not in dataset or dataset[name].dims != _DIMS or "time" not in dataset.coords:
+            rule = "those of a run, with P and u over (time, component, theta, z)"
+            raise InputError("the dataset's variables", list(dataset.data_vars), rule, "use the dataset of a run")
+    length = number("length", dataset.attrs.get("length"), 1e-9, 1e9, "keep the dataset's attribute `length`")
+    return CylinderGrid(dataset.sizes["theta"], dataset.sizes["z"], length)
+
+
+def frame(dataset: xarray.Dataset, index: int) -> tuple[Array, Array]:
+    """Return P and u of one frame, both (2, n_theta, n_z), dimensionless."""
+    now = dataset.isel(time=index)
+    return np.asarray(now["P"].values, dtype=np.float64), np.asarray(now["u"].values, dtype=np.float64)
+
+
+def peak_speed(dataset: xarray.Dataset) -> float:
+    """Return the largest recorded speed of a run, dimensionless."""
+    if "peak_speed" in dataset:
+        return float(dataset["peak_speed"].max())
+    return max(float(np.hypot(*frame(dataset, index)[1]).max()) for index in range(dataset.sizes["time"]))
+
+
+def indices_at(dataset: xarray.Dataset, times: npt.ArrayLike, name: str = "times") -> list[int]:
+    """Return the frames nearest to increasing times (n,).
+
+    Raises `InputError` for times outside the dataset, not increasing, or so close that two of them
+    mean the same frame.
+    """
+    saved = np.asarray(dataset["time"].values, dtype=np.float64)
+    try:
+        wanted = np.asarray(times, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(name, times, "a list of times", "give numbers") from error
+    if wanted.ndim != 1 or wanted.size == 0:
+        raise InputError(name, times, "a list of at least one time", "give numbers")
+    for time in wanted.tolist():
+        if not saved[0] <= time <= saved[-1]:
+            rule = f"within the dataset, from {saved[0]:g} to {saved[-1]:g}"
+            raise InputError(name, time, rule, "choose a time that was saved")
+    found = [int(np.argmin(np.abs(saved - time))) for time in wanted]
+    if np.any(np.diff(found) < 1):
+        raise InputError(
+            name, wanted.tolist(), "increasing, each with its own saved frame", "spread them, or save more often"
+        )
+    return found
+
+
+def story(dataset: xarray.Dataset, count: int) -> list[int]:
+    """Return `count` frames, in order, that tell how the state came about.
+
+    They lie evenly along the way that P travels, the sum of <|P(t + dt) - P(t)|²>^½ over the saved
+    frames: fast changes get more frames than slow ones. The first shows what grows out of disorder, the
+    last the state once it hardly changes. Raises `InputError` for fewer than `count` frames.
+    """
+    frames = dataset.sizes["time"]
+    if frames < count:
+        raise InputError("the number of saved frames", frames, f"at least {count}", "save more often")
+    way, before = [0.0], frame(dataset, 0)[0]
+    for index in range(1, frames):
+        now = frame(dataset, index)[0]
+        way.append(way[-1] + float(np.sqrt(np.mean(np.sum((now - before) ** 2, axis=0)))))
+        before = now
+    shares = np.linspace(_FIRST, _LAST, count)
+    chosen = np.abs(np.array(way)[:, None] - shares * way[-1]).argmin(axis=0)
+    # Each its own frame: later ones are moved on where several fell on one, then back from the end.
+    offset = np.arange(count)
+    chosen = np.maximum.accumulate(chosen - offset) + offset
+    return [int(i) for i in np.minimum(chosen, frames - count + offset)]
+
+
+def facing_zone(P: npt.ArrayLike, beside: float = 0.35) -> float:
+    """Return a viewing angle in [0, 2π) that shows an indifferent zone of a state (2, n_theta, n_z).
+
+    The zone appears `beside` radians left of the middle, with the upward stream on its right. Without a zone
+    along the cell the most strongly ordered meridian faces the viewer.
+    """
+    profile = np.asarray(P, dtype=np.float64)[1].mean(axis=1)
+    angles = zone_angles(profile)
+    theta = 2 * np.pi * np.arange(profile.size) / profile.size
+    if angles.size == 0:
+        return float(theta[np.argmax(np.abs(profile))])
+    rising = [a for a in angles if np.interp(a + 0.1, theta, profile, period=2 * np.pi) > 0]
+    return float(np.mod((rising or list(angles))[0] + beside, 2 * np.pi))

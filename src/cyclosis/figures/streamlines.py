@@ -1,0 +1,188 @@
+"""Streamlines of a flow on the periodic surface: evenly spread short lines, each directed downstream."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.errors import number
+from ..model.grid import Array, CylinderGrid, interpolate
+
+STEP = 0.04
+"""Arc length between the points of a line, in radii."""
+FINE = 192
+"""Flows are refined to at least this many points in either direction before lines are traced."""
+ROOM = 1.15
+"""A line starts only this many separations away from others, so that it has room to run."""
+SHORTEST = 0.35
+"""Lines shorter than this fraction of the wanted length are not kept."""
+
+Velocity = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Streamline:
+    """Points along a streamline, in the direction of the flow.
+
+    `theta` and `z` (n,) are unwrapped (they leave the fundamental domain where the line crosses its
+    edge), `speed` (n,) is |u| there. Dimensionless.
+    """
+
+    theta: Array
+    z: Array
+    speed: Array
+
+    @property
+    def arc_length(self) -> float:
+        """Length of the line on the cylinder of radius 1."""
+        return float(np.sum(np.hypot(np.diff(self.theta), np.diff(self.z))))
+
+
+def streamlines(
+    grid: CylinderGrid, u: npt.ArrayLike, *, separation: float = 0.11, length: float = 1.2, slowest: float = 0.0
+) -> list[Streamline]:
+    """Return streamlines of a flow (2, n_theta, n_z) that fill the surface evenly.
+
+    No two lines, nor two turns of one, come closer than `separation`; no line is longer than `length`
+    or enters places where |u| <= `slowest`. Lines are traced by fourth-order Runge-Kutta steps along
+    u/|u|, with u refined by Fourier and then by bilinear interpolation, from fixed seeds: the same flow
+    gives the same lines.
+    Everything is dimensionless, lengths in radii. Raises `InputError` for a mismatched flow.
+    """
+    flow = grid.check_state(u, "the flow")
+    separation = number("separation", separation, 0.02, 3.0, "choose a distance in radii")
+    length = number("length", length, 2 * STEP, 100.0, "choose an arc length in radii")
+    slowest = number("slowest", slowest, 0.0, 1e9, "choose a speed")
+    velocity = _velocity(grid, flow)
+    seeds = _seeds(grid, separation)
+    seeds = seeds[:, np.hypot(*velocity(seeds)) > slowest]
+    points = _traced(velocity, seeds, max(1, round(0.5 * length / STEP)))
+    speed = np.hypot(*velocity(points))
+    return _spread(grid, points, speed, speed <= slowest, separation, length)
+
+
+def _seeds(grid: CylinderGrid, separation: float) -> Array:
+    """Return points (2, n) of a low-discrepancy sequence, about four for every line that fits."""
+    count = max(64, int(4 * 2 * np.pi * grid.length / (ROOM * separation) ** 2))
+    plastic = 1.324717957244746  # the real root of x³ = x + 1 gives the most even two-dimensional sequence
+    fractions = np.mod(0.5 + np.outer([1 / plastic, 1 / plastic**2], np.arange(count)), 1.0)
+    return fractions * np.array([[2 * np.pi], [grid.length]])
+
+
+def _refined(n: int) -> int:
+    return n * -(-FINE // n)
+
+
+def _velocity(grid: CylinderGrid, flow: Array) -> Velocity:
+    """Return the function that interpolates a flow at points (2, ...)."""
+    fine = interpolate(flow, (_refined(grid.n_theta), _refined(grid.n_z)))
+    n, m = fine.shape[1:]
+    packed = (fine[0] + 1j * fine[1]).ravel()
+
+    def velocity(points: Array) -> Array:
+        x, y = points[0] * (n / (2 * np.pi)), points[1] * (m / grid.length)
+        i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+        a, b = x - i, y - j
+        row, after = np.mod(i, n) * m, np.mod(i + 1, n) * m
+        left, right = np.mod(j, m), np.mod(j + 1, m)
+        low = packed[row + left] * (1 - b) + packed[row + right] * b
+        high = packed[after + left] * (1 - b) + packed[after + right] * b
+        v = low * (1 - a) + high * a
+        return np.stack([v.real, v.imag])
+
+    return velocity
+
+
+def _traced(velocity: Velocity, seeds: Array, steps: int) -> Array:
+    """Trace lines from all seeds (2, n) at once; return points (2, 2 steps + 1, n), upstream first."""
+
+    def direction(points: Array) -> Array:
+        v = velocity(points)
+        return v / np.maximum(np.hypot(*v), 1e-300)
+
+    halves = []
+    for h in (-STEP, STEP):
+        path = [seeds]
+        for _ in range(steps):
+            x = path[-1]
+            a = direction(x)
+            b = direction(x + 0.5 * h * a)
+            c = direction(x + 0.5 * h * b)
+            d = direction(x + h * c)
+            path.append(x + h / 6 * (a + 2 * b + 2 * c + d))
+        halves.append(path)
+    return np.stack([*reversed(halves[0][1:]), *halves[1]], axis=1)
+
+
+def _spread(
+    grid: CylinderGrid, points: Array, speed: Array, slow: npt.NDArray[np.bool_], separation: float, length: float
+) -> list[Streamline]:
+    """Keep lines one by one, cut where they come too close to those kept before."""
+    near_line, near_seed = (_Taken(grid, distance) for distance in (separation, ROOM * separation))
+    cells, seed_cells = near_line.cells(points), near_seed.cells(points)
+    middle = points.shape[1] // 2
+    starts = seed_cells[middle].tolist()
+    left = list(range(len(starts)))
+    lines: list[Streamline] = []
+    # Full lines first: short ones then only fill the gaps.
+    for least in (0.95 * length, SHORTEST * length):
+        # What is taken stays taken, so the second round need not look at those seeds again.
+        left = [k for k in left if not near_seed.taken[starts[k]]]
+        for k in left:
+            if near_seed.taken[starts[k]]:
+                continue
+            stopped = np.flatnonzero(near_line.taken[cells[:, k]] | slow[:, k])
+            cut = int(np.searchsorted(stopped, middle))
+            start = int(stopped[cut - 1]) + 1 if cut > 0 else 0
+            stop = int(stopped[cut]) if cut < stopped.size else points.shape[1]
+            if (stop - start - 1) * STEP < least:
+                continue
+            stop = start + _before_return(points[:, start:stop, k], separation)
+            if (stop - start - 1) * STEP < least:
+                continue
+            kept = slice(start, stop)
+            lines.append(Streamline(points[0, kept, k], points[1, kept, k], speed[kept, k]))
+            near_line.add(cells[kept, k])
+            near_seed.add(seed_cells[kept, k])
+    return lines
+
+
+def _before_return(line: Array, separation: float) -> int:
+    """Return how many points (2, n) of a line come before it runs into its own beginning."""
+    gap = int(np.ceil(1.5 * separation / STEP))
+    distance = np.hypot(*(line[:, :, None] - line[:, None, :]))
+    meets = np.flatnonzero(np.any(np.tril(distance < separation, -gap), axis=1))
+    return int(meets[0]) if meets.size else line.shape[1]
+
+
+class _Taken:
+    """Which small cells of the surface lie within a distance of the lines kept so far."""
+
+    def __init__(self, grid: CylinderGrid, distance: float) -> None:
+        self.period = np.array([2 * np.pi, grid.length])
+        self.shape = np.ceil(self.period / (distance / 6)).astype(np.int64)
+        size = self.period / self.shape
+        self.taken = np.zeros(int(self.shape.prod()), dtype=bool)
+        # One cell's diagonal more than the distance, because points lie anywhere in their cells.
+        reach = distance + float(np.hypot(*size))
+        most = np.minimum(np.ceil(reach / size).astype(np.int64), self.shape // 2)
+        i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in most), indexing="ij")
+        inside = np.hypot(i * size[0], j * size[1]) <= reach
+        self.disc = np.stack([i[inside], j[inside]])
+
+    def cells(self, points: Array) -> npt.NDArray[np.int64]:
+        """Return the numbers (...) of the cells in which points (2, ...) lie."""
+        i, j = (
+            np.mod(np.floor(x * (n / p)).astype(np.int64), n)
+            for x, n, p in zip(points, self.shape, self.period, strict=True)
+        )
+        return np.asarray(i * self.shape[1] + j)
+
+    def add(self, cells: npt.NDArray[np.int64]) -> None:
+        """Mark everything near the points in `cells` (n,)."""
+        i, j = np.divmod(np.unique(cells)[:, None], self.shape[1])
+        n, m = self.shape
+        self.taken[np.mod(i + self.disc[0], n) * m + np.mod(j + self.disc[1], m)] = True

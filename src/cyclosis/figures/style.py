@@ -1,0 +1,105 @@
+"""How all figures look: colours, type, sizes, and how they are saved."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from ..model.errors import InputError
+from ..model.grid import Array
+
+# Green ends lighter than purple, so that the two directions stay apart in grayscale and for every kind of
+# colour vision, while both are nearly black at P_z = 0. The steps are closer near zero: weak order shows.
+_PURPLE = ("#16111b", "#472860", "#74399f", "#9757c8", "#b377e3")
+_GREEN = ("#101811", "#2b5232", "#458951", "#63bf74", "#87ec98")
+_MAGNITUDE = (0.0, 0.14, 0.37, 0.66, 1.0)
+POLARITY = LinearSegmentedColormap.from_list(
+    "polarity",
+    [(0.5 - 0.5 * m, colour) for m, colour in zip(reversed(_MAGNITUDE), reversed(_GREEN), strict=True)]
+    + [(0.5 + 0.5 * m, colour) for m, colour in zip(_MAGNITUDE, _PURPLE, strict=True)],
+    N=1024,
+)
+"""Colours of P_z from -1 (green) through 0 (nearly black) to 1 (purple), darker for smaller |P_z|."""
+
+INK = "#1b1720"
+"""Text, outlines and streamlines."""
+ZONE = "#ffffff"
+"""Indifferent zones."""
+QUIET = "#a9a4b0"
+"""Guides that should be found but not noticed."""
+PAPER = "#f3f1f5"
+"""Cut ends of the cell."""
+
+WIDTH = 180.0
+"""Width of a two-column figure in millimetres."""
+DPI = 300
+"""Dots per inch of saved bitmaps."""
+
+# STIX comes with matplotlib, so the figures look the same on every machine.
+TYPE = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 10.0,
+    "axes.labelsize": 10.0,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.pad": 2.5,
+    "ytick.major.pad": 2.5,
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+}
+"""Matplotlib settings shared by all figures; use as `with matplotlib.rc_context(TYPE)`."""
+
+
+def polarity_rgb(P_z: npt.ArrayLike) -> Array:
+    """Return the colours (..., 3), in 0 to 1, of axial polarities (...) in -1 to 1 (dimensionless)."""
+    values = np.clip(np.asarray(P_z, dtype=np.float64), -1.0, 1.0)
+    colours: Array = np.asarray(POLARITY(0.5 * (values + 1.0)), dtype=np.float64)
+    return colours[..., :3]
+
+
+def blank(width: float, height: float) -> Figure:
+    """Return an empty figure of `width` times `height` millimetres, free of any global state."""
+    return Figure(figsize=(width / 25.4, height / 25.4), facecolor="white")
+
+
+def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Any:
+    """Return new axes in a figure, at a place given in millimetres from its lower left corner."""
+    across, up = figure.get_size_inches() * 25.4
+    return figure.add_axes((left / across, bottom / up, width / across, height / up))
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Write a figure as PNG (300 dpi) or PDF, by the suffix of `path`, and return the path.
+
+    Raises `InputError` for other suffixes and for places that cannot be written to.
+    """
+    target = Path(path)
+    kind = target.suffix.lower()
+    if kind not in (".png", ".pdf"):
+        raise InputError("path", str(target), "a file name that ends in .png or .pdf", "change its suffix")
+    try:
+        with matplotlib.rc_context(TYPE):
+            figure.savefig(target, dpi=DPI, format=kind[1:])
+    except OSError as error:
+        raise InputError(
+            "path", str(target), "in a folder that can be written to", f"choose another ({error.strerror})"
+        ) from error
+    return target

@@ -1,0 +1,50 @@
+"""A state on the unwrapped surface: theta to the right, z up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.grid import CylinderGrid, interpolate
+from .ribbons import paint, stream_ribbons, zone_ribbons
+from .style import INK, ZONE, polarity_rgb
+
+SCALE = 1.35
+"""Lines are wider and sparser than on a cylinder, because maps are printed at a smaller scale."""
+_EDGE = 0.2
+
+
+def draw_map(
+    ax: Any,
+    grid: CylinderGrid,
+    P: npt.ArrayLike,
+    u: npt.ArrayLike,
+    *,
+    streamlines: bool = True,
+    peak_speed: float | None = None,
+) -> None:
+    """Draw a state P and its flow u, both (2, n_theta, n_z), as a map into matplotlib axes.
+
+    theta runs from 0 to 2π to the right and z from 0 to the grid's length upwards, on one scale.
+    Colours, lines and `peak_speed` are as in `cyclosis.figures.cylinder.draw`. Everything is
+    dimensionless. Raises `InputError` for fields that do not match the grid.
+    """
+    state, flow = grid.check_state(P), grid.check_state(u, "the flow")
+    # Lines are looked for a little beyond the edges and clipped there, so that they run on seamlessly.
+    window = (-_EDGE, 2 * np.pi + _EDGE)
+    fine = interpolate(state[1], (4 * grid.n_theta, 4 * grid.n_z))
+    d_theta, d_z = 2 * np.pi / fine.shape[0], grid.length / fine.shape[1]
+    ax.imshow(
+        polarity_rgb(np.pad(fine, ((0, 1), (0, 1)), mode="wrap").T), origin="lower", interpolation="bilinear",
+        extent=(-0.5 * d_theta, 2 * np.pi + 0.5 * d_theta, -0.5 * d_z, grid.length + 0.5 * d_z), zorder=1,
+    )  # fmt: skip
+    if streamlines:
+        peak = float(np.hypot(*flow).max()) if peak_speed is None else peak_speed
+        lines, strength = stream_ribbons(grid, flow, window, peak, SCALE)
+        paint(ax, lines, INK, strength)
+    paint(ax, zone_ribbons(grid, state, window, SCALE), ZONE)
+    ax.set(xlim=(0, 2 * np.pi), ylim=(0, grid.length), aspect="equal")
+    ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
+    ax.set_yticks([0, grid.length], ["0", f"{grid.length:g}"])

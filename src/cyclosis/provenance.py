@@ -1,0 +1,62 @@
+"""Where a file came from: configuration, versions, and how the run ended, as plain attributes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .version import __version__
+
+if TYPE_CHECKING:
+    from .dynamics.trajectory import Trajectory
+
+SCHEMA = 1
+
+
+def configuration(run: Trajectory) -> dict[str, Any]:
+    """Return what was asked for, as the tables of a configuration file (fields are named, not listed)."""
+    return {
+        "parameters": {n: "field" if isinstance(v, np.ndarray) else v for n, v in run.params.items()},
+        "grid": {"n_theta": run.grid.n_theta, "n_z": run.grid.n_z, "length": run.grid.length},
+        "run": {k: v for k, v in run.settings.as_dict().items() if v is not None}
+        | {"terms": [term.name for term in run.terms]},
+    }
+
+
+def attributes(run: Trajectory) -> dict[str, Any]:
+    """Return the global attributes of a dataset of this run."""
+    import jax
+
+    asked = json.dumps(configuration(run), sort_keys=True)
+    outcome = {
+        "status": str(run.status),
+        "status_time": run.status_time,
+        "message": run.message,
+        "t_final": run.t_final,
+        "evaluations": run.effort.evaluations,
+        "accepted": run.effort.accepted,
+        "rejected": run.effort.rejected,
+    }
+    return {
+        "Conventions": "CF-1.11",
+        "title": "Self-organised cytoplasmic streaming on a cylinder",
+        "source": "Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110",
+        "program": "cyclosis",
+        "schema": SCHEMA,
+        "length": run.grid.length,
+        "configuration": asked,
+        "configuration_sha256": hashlib.sha256(asked.encode()).hexdigest(),
+        "run": json.dumps(outcome, sort_keys=True),
+        "wall_time_seconds": run.effort.wall_time,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": json.dumps(
+            {"cyclosis": __version__, "jax": jax.__version__, "numpy": np.__version__,
+             "python": platform.python_version()}
+        ),
+        "device": jax.devices()[0].device_kind,
+    }  # fmt: skip

@@ -1,0 +1,108 @@
+"""Runs, files and machines in a few lines of text."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import shutil
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .analysis.regimes import Regime
+    from .dynamics.trajectory import Trajectory
+
+_PACKAGES = ("cyclosis", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf", "h5py", "matplotlib", "contourpy")
+
+
+def summary(run: Trajectory) -> str:
+    """Return the outcome of a run: status, regime, zones, widths, speed and time."""
+    from .analysis.diagnostics import diagnose
+    from .analysis.regimes import regime
+
+    found = regime(run.params, run.grid, run.final_state, run.terms, run.t_final)
+    numbers = diagnose(run.params, run.grid, run.final_state, run.t_final, run.terms)
+    effort = run.effort
+    lines = {
+        "status": run.message,
+        "regime": str(found),
+        "indifferent zones": _zones(found),
+        "stripe widths": " : ".join(f"{w:.4f}" for w in found.widths) or "none",
+        "order": f"{numbers['order']:.4f}",
+        "peak speed": f"{numbers['peak_speed']:.4f} U",
+        "wall time": f"{effort.wall_time:.1f} s ({effort.evaluations} right-hand sides, {effort.accepted} steps)",
+    }
+    return "\n".join(f"{name:>18}  {text}" for name, text in lines.items())
+
+
+def _zones(found: Regime) -> str:
+    if found.zones.size == 0:
+        return "none"
+    angles = ", ".join(f"{np.degrees(angle):.1f}°" for angle in found.zones)
+    return f"{found.zones.size}, at {angles}"
+
+
+def tree(dataset: xarray.Dataset) -> str:
+    """Return a file of a run as a short tree."""
+    run = json.loads(dataset.attrs["run"])
+    asked = json.loads(dataset.attrs["configuration"])
+    sizes = dataset.sizes
+    times = dataset["time"].values
+    span = f"{times.size} frames, t = {times[0]:g} to {times[-1]:g}" if times.size else "no frames"
+    lines = [
+        f"cyclosis run: {run['message']}",
+        f"├─ grid        {sizes['theta']} x {sizes['z']}, length {dataset.attrs['length']:g}",
+        f"├─ saved       {span}",
+        "├─ parameters  " + _listed(asked["parameters"]),
+        "├─ run         " + _listed(asked["run"]),
+        f"├─ effort      {run['evaluations']} right-hand sides, {run['accepted']} steps, {run['rejected']} rejected",
+        f"├─ made        {dataset.attrs['created']} on {dataset.attrs['device']}, "
+        + _listed(json.loads(dataset.attrs["versions"])),
+        "└─ variables",
+    ]
+    names = list(dataset.data_vars)
+    for name in names:
+        variable = dataset[name]
+        dims = ", ".join(map(str, variable.dims))
+        branch = "└─" if name == names[-1] else "├─"
+        lines.append(f"   {branch} {f'{name}({dims})':<32} {variable.attrs.get('long_name', '')}")
+    return "\n".join(lines)
+
+
+def _listed(values: dict[str, object]) -> str:
+    return ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in values.items() if k != "terms")
+
+
+def machine() -> str:
+    """Return what this installation computes with: versions, devices, threads, precision, disk."""
+    import jax
+    import jax.numpy as jnp
+
+    from .model.precision import double
+
+    with double():
+        exact = float(jnp.asarray(1.0) + 1e-15) != 1.0
+    free = shutil.disk_usage(os.getcwd()).free / 2**30
+    devices = ", ".join(f"{device.platform} ({device.device_kind})" for device in jax.devices())
+    cpus = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    lines = {
+        "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        "packages": ", ".join(f"{name} {_version(name)}" for name in _PACKAGES),
+        "devices": devices,
+        "threads": f"{cpus} usable of {os.cpu_count()}; XLA_FLAGS = {os.environ.get('XLA_FLAGS') or 'not set'}",
+        "precision": "float64 works" if exact else "float64 DOES NOT WORK: reinstall jax",
+        "disk": f"{free:.1f} GiB free in {os.getcwd()}",
+    }
+    return "\n".join(f"{name:>10}  {text}" for name, text in lines.items())
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "missing"

@@ -1,0 +1,148 @@
+"""A manufactured solution: P* is chosen, and a user's own term supplies exactly what P* needs to solve the
+filament equation with all terms on. Space and time errors are then known at once."""
+
+from __future__ import annotations
+
+from functools import cache
+from types import SimpleNamespace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import oracle
+
+import cyclosis as cy
+from cyclosis.dynamics import steppers
+from cyclosis.model.precision import double
+from cyclosis.model.system import system
+
+from . import Row
+
+LENGTH = 4.0
+PARAMS = cy.Parameters(
+    alpha_p=0.8, alpha_u=0.6, epsilon=0.4, d_s=0.03, d_r=0.05, kappa=0.5, mu=0.06, repulsion_angle=0.7
+)
+GEOMETRIC = 0.42
+"""Ratio of successive Fourier coefficients of the smooth P*; 0 makes a P* of modes 0 and ±1 only."""
+
+
+def _waves(x, b):
+    """Return Σ bᵏ⁻¹ cos kx and Σ bᵏ⁻¹ sin kx (k >= 1), scaled to at most 1."""
+    scale = (1 - b) / (1 - 2 * b * jnp.cos(x) + b**2)
+    return scale * (jnp.cos(x) - b), scale * jnp.sin(x)
+
+
+def solution(t, shape, b):
+    """Return P*(t) on a grid: standing, travelling and breathing waves, |P*| < 1."""
+    theta = 2 * np.pi * np.arange(shape[0])[:, None] / shape[0]
+    zeta = 2 * np.pi * np.arange(shape[1])[None, :] / shape[1]
+    c1, s1 = _waves(theta - 0.7 * t, b)
+    c2, s2 = _waves(zeta + 0.4 * t, b)
+    c3, s3 = _waves(theta + 0.5 * t, b)
+    c4, s4 = _waves(zeta - 0.9 * t, b)
+    return jnp.stack([
+        0.2 * jnp.cos(1.3 * t) + 0.3 * c1 * s2 + 0.15 * jnp.sin(2.1 * t) * s1,
+        0.1 + 0.4 * s3 * c4 + 0.2 * jnp.cos(1.7 * t) * (s4 + 0.5 * c3 + 0.3 * c2),
+    ])  # fmt: skip
+
+
+@cache
+def forcing(b, reference):
+    """Return the user's term dP*/dt - (right-hand side of P*), formed on the grid `reference`."""
+
+    def manufactured_forcing(t, P, u, params, grid):
+        exact, slope = jax.jvp(lambda s: solution(s, reference, b), (t,), (jnp.ones_like(t),))
+        numbers = SimpleNamespace(**dict(PARAMS.items()))
+        needed = slope - oracle.rate(numbers, LENGTH, exact, xp=jnp)
+        return oracle.both(needed, grid.shape, jnp)
+
+    return manufactured_forcing
+
+
+def run(shape, b, reference, t_end=1.0, **settings):
+    """Integrate from P*(0) and return the largest error at `t_end` and the run."""
+    grid = cy.CylinderGrid(*shape, LENGTH)
+    terms = [*oracle.TERMS, forcing(b, reference)]
+    with double():
+        begin, end = (np.asarray(solution(jnp.float64(t), shape, b)) for t in (0.0, t_end))
+    out = cy.simulate(PARAMS, grid, begin, t_end=t_end, save_at=(t_end,), terms=terms, **settings)
+    assert out.t_final == t_end, out.message
+    return float(np.abs(out.final_state - end).max()), out
+
+
+SIZES = ((12, 12), (20, 20), (32, 32), (48, 48), (64, 64))
+REFERENCE = (96, 96)
+BRIEF, SHORT = 0.2, 0.005
+
+
+def spectral(sizes=SIZES):
+    """The error falls geometrically with n down to what the time step leaves."""
+    errors = [run(shape, GEOMETRIC, REFERENCE, BRIEF, stepper="etdrk4", dt=SHORT)[0] for shape in sizes]
+    law = "manufactured solution, all terms on, etdrk4"
+    rows = [Row(law, f"max |P - P*|, {n} x {k}", e) for (n, k), e in zip(sizes[:-1], errors[:-1], strict=True)]
+    rows.append(Row(law, f"max |P - P*|, {sizes[-1][0]} x {sizes[-1][1]}", errors[-1], 1e-10))
+    for (n, _), (k, _), a, b in zip(sizes, sizes[1:], errors, errors[1:], strict=False):
+        rows.append(Row(law, f"decay of that error per mode, n = {n} to {k}", (b / a) ** (2 / (k - n))))
+    return rows
+
+
+SMALL = (16, 16)
+"""Six times the one mode of P* fit: on this grid P* with b = 0 has no error in space."""
+
+
+def fixed_steps(stepper, steps=(0.05, 0.025, 0.0125, 0.00625)):
+    """Order in time of a fixed-step method, from successive halvings."""
+    errors = [run(SMALL, 0.0, SMALL, stepper=stepper, dt=dt)[0] for dt in steps]
+    law = f"order in time, {stepper}"
+    rows = [Row(law, f"max |P - P*|, dt = {dt:g}", e) for dt, e in zip(steps, errors, strict=True)]
+    for a, b, dt in zip(errors, errors[1:], steps[1:], strict=False):
+        rows.append(Row(law, f"order, dt = {2 * dt:g} to {dt:g}", float(np.log2(a / b)), 4.2, 3.8))
+    return rows
+
+
+def adaptive(tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9)):
+    """Order of the adaptive pair: of its solution against the number of steps."""
+    found = [run(SMALL, 0.0, SMALL, stepper="adaptive", rtol=rtol, atol=1e-14) for rtol in tolerances]
+    law = "order in time, adaptive"
+    rows = [
+        Row(law, f"max |P - P*|, rtol = {rtol:g}, {out.effort.accepted} steps", error)
+        for rtol, (error, out) in zip(tolerances, found, strict=True)
+    ]
+    steps = np.log([out.effort.accepted for _, out in found])
+    slope = -np.polyfit(steps, np.log([error for error, _ in found]), 1)[0]
+    return [*rows, Row(law, "order, error against number of steps", float(slope), 4.2, 3.8)]
+
+
+def estimate(steps=(0.1, 0.05, 0.025, 0.0125)):
+    """One step: the error estimate is that of a third-order method, so h⁴; the error itself is h⁵."""
+    t0, grid = 0.3, cy.CylinderGrid(*SMALL, LENGTH)
+    cell = system(PARAMS, grid, [*oracle.TERMS, forcing(0.0, SMALL)])
+    estimates, errors = [], []
+
+    @jax.jit
+    def one(cell, Z, h):
+        begin = cell.nonlinear(cell.at(Z, t0))
+        taken = steppers.step(cell, steppers.tableau(cell.linear(), h), t0, h, Z, begin)
+        return taken.spectrum, taken.error
+
+    with double():
+        Z = cell.spectrum(solution(t0, SMALL, 0.0))
+        for h in steps:
+            new, error = one(cell, Z, h)
+            estimates.append(float(np.sqrt(np.mean(cell.state(error) ** 2))))
+            errors.append(float(np.sqrt(np.mean((cell.state(new) - solution(t0 + h, SMALL, 0.0)) ** 2))))
+    rows = []
+    for name, values, order in (("error estimate", estimates, 4), ("error", errors, 5)):
+        for a, b, h in zip(values, values[1:], steps[1:], strict=False):
+            measured = float(np.log2(a / b))
+            last = h == steps[-1]
+            rows.append(
+                Row("one step of the adaptive pair", f"order of its {name}, h = {2 * h:g} to {h:g}", measured,
+                    order + 0.2 if last else None, order - 0.2 if last else None)
+            )  # fmt: skip
+    return rows
+
+
+def rows(slow=True):
+    """Return every row of this comparison."""
+    return [*spectral(), *fixed_steps("rk4"), *fixed_steps("etdrk4"), *adaptive(), *estimate()]
