@@ -73,7 +73,9 @@ def transforms(n: int, repeats: int):
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--sizes", type=int, nargs="+", default=[32, 48, 64, 96, 128, 256, 512])
     parser.add_argument("--rounds", type=int, default=21)
     parser.add_argument("--precision", default="float64", choices=["float64", "float32"])

@@ -10,7 +10,7 @@ every derivative and every product of the equations is written out.
 zero_theta_flux and force_exponent. Conventions: modes at the Nyquist frequency are dropped from the state,
 from the flow and from the result. With `fine`, a larger grid, all products are formed there (coefficient
 fields of `p` are then given on it), while the force is cut back to the state's modes before it drives the
-flow. `xp` may be `jax.numpy`, so that the same equations can be traced.
+flow.
 """
 
 from __future__ import annotations
@@ -30,38 +30,35 @@ def wavenumbers(shape, length):
     return m[:, None], (2 * np.pi / length) * j[None, :]
 
 
-def resampled(f, shape, xp=np):
+def resampled(f, shape):
     """Return a scalar field on a grid of another shape: common modes below both Nyquist frequencies."""
     old = f.shape
-    spectrum = xp.fft.fft2(f) / (old[0] * old[1])
+    spectrum = np.fft.fft2(f) / (old[0] * old[1])
     m, j = ((min(a, b) - 1) // 2 for a, b in zip(old, shape, strict=True))
     rows, cols = (np.array([*range(h + 1), *range(-h, 0)]) for h in (m, j))
     kept = spectrum[np.ix_(rows % old[0], cols % old[1])]
     at = np.ix_(rows % shape[0], cols % shape[1])
-    if xp is np:
-        padded = np.zeros(shape, dtype=complex)
-        padded[at] = kept
-    else:
-        padded = xp.zeros(shape, dtype=complex).at[at].set(kept)
-    return xp.fft.ifft2(padded).real * (shape[0] * shape[1])
+    padded = np.zeros(shape, dtype=complex)
+    padded[at] = kept
+    return np.fft.ifft2(padded).real * (shape[0] * shape[1])
 
 
-def both(f, shape, xp=np):
+def both(f, shape):
     """Resample the two components of a vector field."""
-    return xp.stack([resampled(f[0], shape, xp), resampled(f[1], shape, xp)])
+    return np.stack([resampled(f[0], shape), resampled(f[1], shape)])
 
 
-def gradient(f, length, xp=np):
+def gradient(f, length):
     """Return (df/dtheta, df/dz) of a scalar field without Nyquist modes."""
     m, q = wavenumbers(f.shape, length)
-    spectrum = xp.fft.fft2(f)
-    return xp.fft.ifft2(1j * m * spectrum).real, xp.fft.ifft2(1j * q * spectrum).real
+    spectrum = np.fft.fft2(f)
+    return np.fft.ifft2(1j * m * spectrum).real, np.fft.ifft2(1j * q * spectrum).real
 
 
-def laplacian(f, length, xp=np):
+def laplacian(f, length):
     """Return the Laplacian of a scalar field."""
     m, q = wavenumbers(f.shape, length)
-    return xp.fft.ifft2(-(m**2 + q**2) * xp.fft.fft2(f)).real
+    return np.fft.ifft2(-(m**2 + q**2) * np.fft.fft2(f)).real
 
 
 def force(p, P):
@@ -69,37 +66,37 @@ def force(p, P):
     return (P[0] ** 2 + P[1] ** 2) ** (p.force_exponent / 2) * P
 
 
-def driven_flow(p, length, F, xp=np):
+def driven_flow(p, length, F):
     """Solve the momentum balance mode by mode: u_k = (I - kk/k²) F_k / (1 + μ k²), then the means."""
     n_theta, n_z = F[0].shape
     m, q = wavenumbers((n_theta, n_z), length)
     k2 = m**2 + q**2
     some = np.where(k2 > 0, k2, 1.0)
-    Ft, Fz = xp.fft.fft2(F[0]), xp.fft.fft2(F[1])
+    Ft, Fz = np.fft.fft2(F[0]), np.fft.fft2(F[1])
     along = (m * Ft + q * Fz) / some
     not_mean = k2 > 0
     ut = not_mean * (Ft - m * along) / (1 + p.mu * k2)
     uz = not_mean * (Fz - q * along) / (1 + p.mu * k2)
-    u = xp.stack([xp.fft.ifft2(ut).real, xp.fft.ifft2(uz).real])
+    u = np.stack([np.fft.ifft2(ut).real, np.fft.ifft2(uz).real])
     mean_theta = 0.0 if p.zero_theta_flux else F[0].mean()
-    return xp.stack([u[0] + mean_theta, u[1]])
+    return np.stack([u[0] + mean_theta, u[1]])
 
 
-def flow(p, length, P, fine=None, xp=np):
+def flow(p, length, P, fine=None):
     """Return the flow that a state drives, on the state's grid."""
     shape = P[0].shape
-    F = force(p, both(P, fine or shape, xp))
-    return driven_flow(p, length, both(F, shape, xp), xp)
+    F = force(p, both(P, fine or shape))
+    return driven_flow(p, length, both(F, shape))
 
 
-def terms(p, length, P, names=TERMS, fine=None, xp=np):
+def terms(p, length, P, names=TERMS, fine=None):
     """Return the named terms of dP/dt, each of shape (2, n_theta, n_z)."""
     shape = P[0].shape
-    u = both(flow(p, length, P, fine, xp), fine or shape, xp)
-    P = both(P, fine or shape, xp)
+    u = both(flow(p, length, P, fine), fine or shape)
+    P = both(P, fine or shape)
     d = (np.cos(p.repulsion_angle), np.sin(p.repulsion_angle))
-    grad_P = [gradient(P[i], length, xp) for i in (0, 1)]
-    grad_u = [gradient(u[i], length, xp) for i in (0, 1)]
+    grad_P = [gradient(P[i], length) for i in (0, 1)]
+    grad_u = [gradient(u[i], length) for i in (0, 1)]
 
     def projected(T):
         along = P[0] * T[0] + P[1] * T[1]
@@ -118,14 +115,14 @@ def terms(p, length, P, names=TERMS, fine=None, xp=np):
             across = P[0] * d[0] + P[1] * d[1]
             return projected([-p.kappa * across * d[i] for i in (0, 1)])
         if name == "diffusion":
-            return [p.d_s * laplacian(P[i], length, xp) for i in (0, 1)]
+            return [p.d_s * laplacian(P[i], length) for i in (0, 1)]
         if name == "rotational_diffusion":
             return [-p.d_r * P[i] for i in (0, 1)]
         raise ValueError(name)
 
-    return {name: both(one(name), shape, xp) for name in names}
+    return {name: both(one(name), shape) for name in names}
 
 
-def rate(p, length, P, names=TERMS, fine=None, xp=np):
+def rate(p, length, P, names=TERMS, fine=None):
     """Return dP/dt, shape (2, n_theta, n_z)."""
-    return sum(terms(p, length, P, names, fine, xp).values())
+    return sum(terms(p, length, P, names, fine).values())

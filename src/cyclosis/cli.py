@@ -16,9 +16,13 @@ from .model.errors import InputError
 from .version import __version__
 
 app = typer.Typer(
-    name="cyclosis", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
-    rich_markup_mode=None, help="How cytoplasmic streaming organises itself: the model of Woodhouse & Goldstein (2013).",
-)  # fmt: skip
+    name="cyclosis",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="How cytoplasmic streaming organises itself: the model of Woodhouse & Goldstein (2013).",
+)
 figures = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Draw figures from a file of a run.")
 app.add_typer(figures, name="figure")
 
@@ -44,18 +48,29 @@ def _option(table: str, item: Definition) -> inspect.Parameter:
         name, metavar=item.kind.upper(), help=text, rich_help_panel=table, show_default=False
     )
     return inspect.Parameter(
-        f"{table}__{item.name}", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, option]
+        f"{table}__{item.name}",
+        inspect.Parameter.KEYWORD_ONLY,
+        default=None,
+        annotation=Annotated[str | None, option],
     )
 
 
 def _shown(default: Any) -> str:
-    return "all" if isinstance(default, tuple) else str(default).lower() if isinstance(default, bool) else f"{default}"
+    return (
+        "all"
+        if isinstance(default, tuple)
+        else str(default).lower()
+        if isinstance(default, bool)
+        else f"{default}"
+    )
 
 
 @app.command()
 @_with_options
 def run(
-    config: Annotated[Path | None, typer.Option(help="Configuration file run.toml; options override it.")] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="Configuration file run.toml; options override it.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="NetCDF file to write.")] = Path("run.nc"),
     force: FORCE = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress bar.")] = False,
@@ -79,7 +94,12 @@ def run(
     dataset.check_writable(out, force)
     with RunProgress(ready.params, ready.grid, hidden=quiet) as progress:
         result = simulate(
-            ready.params, ready.grid, ready.state, terms=ready.terms, progress=progress, **ready.settings.as_dict()
+            ready.params,
+            ready.grid,
+            ready.state,
+            terms=ready.terms,
+            progress=progress,
+            **ready.settings.as_dict(),
         )
     dataset.write(result, out, force=force)
     print(report.summary(result))
@@ -110,7 +130,9 @@ def doctor() -> None:
 def emergence(
     file: FILE,
     out: Annotated[Path | None, typer.Option(help="PNG or PDF to write; by default beside FILE.")] = None,
-    times: Annotated[str | None, typer.Option(help="Times of the six cylinders, separated by commas.")] = None,
+    times: Annotated[
+        str | None, typer.Option(help="Times of the six cylinders, separated by commas.")
+    ] = None,
     force: FORCE = False,
 ) -> None:
     """Draw the emergence of streaming: six times on the cylinder, three of them unwrapped."""
@@ -137,7 +159,9 @@ def _version(show: bool) -> None:
 
 @app.callback()
 def _options(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
 ) -> None:
     pass
 

@@ -55,7 +55,9 @@ def read(path: str | Path) -> Tables:
         if isinstance(error, InputError):
             raise
         reason = getattr(error, "strerror", None) or str(error)
-        raise InputError("config", str(path), "a file that can be read", f"check the path ({reason})") from error
+        raise InputError(
+            "config", str(path), "a file that can be read", f"check the path ({reason})"
+        ) from error
 
 
 def check(tables: Mapping[str, Any]) -> Tables:
@@ -63,7 +65,9 @@ def check(tables: Mapping[str, Any]) -> Tables:
     out: Tables = {name: {} for name in TABLES}
     for name, table in tables.items():
         if name not in TABLES:
-            raise InputError("table", name, "one of " + ", ".join(f"[{t}]" for t in TABLES), _closest(name, TABLES))
+            raise InputError(
+                "table", name, "one of " + ", ".join(f"[{t}]" for t in TABLES), _closest(name, TABLES)
+            )
         if not isinstance(table, Mapping):
             raise InputError(name, table, "a table", f"write [{name}] on a line of its own")
         known = {item.name: item for item in TABLES[name]}
@@ -102,7 +106,9 @@ def initial_state(given: Mapping[str, Any], grid: CylinderGrid) -> Array:
     for key, value in given.items():
         if key != "kind" and key not in _USED_BY[kind]:
             users = ", ".join(k for k, keys in _USED_BY.items() if key in keys)
-            raise InputError(key, value, f"used only where initial kind is {users}", f"remove it, or change kind = {kind}")
+            raise InputError(
+                key, value, f"used only where initial kind is {users}", f"remove it, or change kind = {kind}"
+            )
     noise = {key: given[key] for key in _NOISE if key in given}
     if kind == "disordered":
         return initial.disordered(grid, **noise)
@@ -120,7 +126,9 @@ def initial_state(given: Mapping[str, Any], grid: CylinderGrid) -> Array:
         return initial.with_noise(state, grid, **noise)
     if noise:
         key = next(iter(noise))
-        raise InputError(key, noise[key], f"given with filaments_per_square for kind = {kind}", "add it, for noise")
+        raise InputError(
+            key, noise[key], f"given with filaments_per_square for kind = {kind}", "add it, for noise"
+        )
     return state
 
 

@@ -85,7 +85,10 @@ def write(run: Trajectory, path: str | os.PathLike[str], force: bool = False) ->
         os.replace(partial, target)
     except OSError as error:
         raise InputError(
-            "out", str(target), "a place that can be written to", f"free space or choose another ({error.strerror})"
+            "out",
+            str(target),
+            "a place that can be written to",
+            f"free space or choose another ({error.strerror})",
         ) from error
     finally:
         partial.unlink(missing_ok=True)
@@ -151,7 +154,11 @@ def _fill(file: h5netcdf.File, run: Trajectory) -> None:
 
 
 def _variable(
-    file: h5netcdf.File, name: str, dims: tuple[str, ...], values: npt.NDArray[Any], attributes: dict[str, str]
+    file: h5netcdf.File,
+    name: str,
+    dims: tuple[str, ...],
+    values: npt.NDArray[Any],
+    attributes: dict[str, str],
 ) -> None:
     text = values.dtype == object
     variable = file.create_variable(name, dims, h5py.string_dtype() if text else values.dtype, data=values)

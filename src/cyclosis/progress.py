@@ -21,10 +21,15 @@ class RunProgress:
         self.params, self.grid = params, grid
         self.shown = not hidden and sys.stderr.isatty()
         self.bar = Progress(
-            TextColumn("t = {task.fields[t]}"), BarColumn(), TextColumn("{task.fields[regime]}"),
-            TextColumn("left"), TimeRemainingColumn(compact=True),
-            console=Console(stderr=True), disable=not self.shown, transient=True,
-        )  # fmt: skip
+            TextColumn("t = {task.fields[t]}"),
+            BarColumn(),
+            TextColumn("{task.fields[regime]}"),
+            TextColumn("left"),
+            TimeRemainingColumn(compact=True),
+            console=Console(stderr=True),
+            disable=not self.shown,
+            transient=True,
+        )
         self.task = self.bar.add_task("run", total=1.0, t="0", regime="compiling")
 
     def __enter__(self) -> RunProgress:
@@ -37,6 +42,7 @@ class RunProgress:
         self.bar.stop()
 
     def __call__(self, now: Snapshot) -> None:
+        """Show where the run stands."""
         if self.shown:
             name = regime(self.params, self.grid, now.state).name
             self.bar.update(self.task, completed=now.t / now.t_end, t=f"{now.t:.1f}", regime=name)

@@ -55,8 +55,12 @@ def attributes(run: Trajectory) -> dict[str, Any]:
         "wall_time_seconds": run.effort.wall_time,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(
-            {"cyclosis": __version__, "jax": jax.__version__, "numpy": np.__version__,
-             "python": platform.python_version()}
+            {
+                "cyclosis": __version__,
+                "jax": jax.__version__,
+                "numpy": np.__version__,
+                "python": platform.python_version(),
+            }
         ),
         "device": jax.devices()[0].device_kind,
-    }  # fmt: skip
+    }

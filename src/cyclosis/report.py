@@ -17,7 +17,18 @@ if TYPE_CHECKING:
     from .analysis.regimes import Regime
     from .dynamics.trajectory import Trajectory
 
-_PACKAGES = ("cyclosis", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf", "h5py", "matplotlib", "contourpy")
+_PACKAGES = (
+    "cyclosis",
+    "jax",
+    "jaxlib",
+    "numpy",
+    "scipy",
+    "xarray",
+    "h5netcdf",
+    "h5py",
+    "matplotlib",
+    "contourpy",
+)
 
 
 def summary(run: Trajectory) -> str:
@@ -35,7 +46,8 @@ def summary(run: Trajectory) -> str:
         "stripe widths": " : ".join(f"{w:.4f}" for w in found.widths) or "none",
         "order": f"{numbers['order']:.4f}",
         "peak speed": f"{numbers['peak_speed']:.4f} U",
-        "wall time": f"{effort.wall_time:.1f} s ({effort.evaluations} right-hand sides, {effort.accepted} steps)",
+        "wall time": f"{effort.wall_time:.1f} s",
+        "effort": f"{effort.evaluations} right-hand sides in {effort.accepted} steps",
     }
     return "\n".join(f"{name:>18}  {text}" for name, text in lines.items())
 
@@ -60,7 +72,8 @@ def tree(dataset: xarray.Dataset) -> str:
         f"├─ saved       {span}",
         "├─ parameters  " + _listed(asked["parameters"]),
         "├─ run         " + _listed(asked["run"]),
-        f"├─ effort      {run['evaluations']} right-hand sides, {run['accepted']} steps, {run['rejected']} rejected",
+        f"├─ effort      {run['evaluations']} right-hand sides, "
+        f"{run['accepted']} steps, {run['rejected']} rejected",
         f"├─ made        {dataset.attrs['created']} on {dataset.attrs['device']}, "
         + _listed(json.loads(dataset.attrs["versions"])),
         "└─ variables",
@@ -75,7 +88,11 @@ def tree(dataset: xarray.Dataset) -> str:
 
 
 def _listed(values: dict[str, object]) -> str:
-    return ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in values.items() if k != "terms")
+    shown = {name: value for name, value in values.items() if name != "terms"}
+    return ", ".join(
+        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
+        for name, value in shown.items()
+    )
 
 
 def machine() -> str:

@@ -21,7 +21,9 @@ from .model.spectral import unpack
 from .model.system import System, system
 
 
-def flow(params: Parameters, grid: CylinderGrid, P: Any, *, precision: str = "float64", **values: Any) -> jax.Array:
+def flow(
+    params: Parameters, grid: CylinderGrid, P: Any, *, precision: str = "float64", **values: Any
+) -> jax.Array:
     """Return the flow u of a state P, both (2, n_theta, n_z), dimensionless.
 
     `values` override parameters by numbers that JAX traces, for example `alpha_u=x` inside `jax.grad`.
@@ -47,9 +49,13 @@ def rate_of_change(
 
 
 def _prepared(
-    params: Parameters, grid: CylinderGrid, P: Any, terms: Iterable[TermLike] | None, precision: str,
+    params: Parameters,
+    grid: CylinderGrid,
+    P: Any,
+    terms: Iterable[TermLike] | None,
+    precision: str,
     values: dict[str, Any],
-) -> tuple[System, jax.Array]:  # fmt: skip
+) -> tuple[System, jax.Array]:
     require_double(precision)
     known = dict(params.items())
     for name in values:

@@ -17,7 +17,9 @@ def test_angles_of_a_resolved_profile_are_exact():
     exact = np.sort(np.mod([0.3 - np.arcsin(0.4), 0.3 + np.pi + np.arcsin(0.4)], 2 * np.pi))
     assert angles == pytest.approx(exact, abs=1e-13)
     assert stripe_widths(angles).sum() == pytest.approx(1)
-    assert sorted(stripe_widths(angles)) == pytest.approx([0.5 - np.arcsin(0.4) / np.pi, 0.5 + np.arcsin(0.4) / np.pi])
+    assert sorted(stripe_widths(angles)) == pytest.approx(
+        [0.5 - np.arcsin(0.4) / np.pi, 0.5 + np.arcsin(0.4) / np.pi]
+    )
 
 
 def test_no_zone_where_the_sign_stays():

@@ -12,7 +12,9 @@ def test_points_and_wavenumbers():
     assert grid.q[1] == pytest.approx(2 * np.pi / 5)
 
 
-@pytest.mark.parametrize(("shape", "target"), [((16, 20), (32, 48)), ((15, 21), (40, 25)), ((16, 16), (15, 9))])
+@pytest.mark.parametrize(
+    ("shape", "target"), [((16, 20), (32, 48)), ((15, 21), (40, 25)), ((16, 16), (15, 9))]
+)
 def test_interpolation_is_exact_for_modes_that_both_grids_resolve(shape, target):
     def wave(grid):
         t, z = np.meshgrid(grid.theta, grid.z * 2 * np.pi / grid.length, indexing="ij")
@@ -32,7 +34,8 @@ def test_interpolation_up_and_down_returns_all_but_nyquist():
 
 
 @pytest.mark.parametrize(
-    "arguments", [(7, 64, 5.0), (64, 9000, 5.0), (64, 64, 0.0), (64.0, 64, 5.0), (64, 64, np.nan), ("a", 64, 5.0)]
+    "arguments",
+    [(7, 64, 5.0), (64, 9000, 5.0), (64, 64, 0.0), (64.0, 64, 5.0), (64, 64, np.nan), ("a", 64, 5.0)],
 )
 def test_bad_grids_are_refused(arguments):
     with pytest.raises(cy.InputError):

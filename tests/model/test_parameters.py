@@ -7,7 +7,15 @@ from cyclosis.model.definitions import PARAMETERS, TABLES
 
 def test_the_defaults_are_the_papers():
     p = cy.Parameters()
-    assert (p.alpha_p, p.alpha_u, p.epsilon, p.d_s, p.d_r, p.kappa, p.mu) == (1, 0.5, 0.1, 0.025, 0.025, 0.5, 0.05)
+    assert (p.alpha_p, p.alpha_u, p.epsilon, p.d_s, p.d_r, p.kappa, p.mu) == (
+        1,
+        0.5,
+        0.1,
+        0.025,
+        0.025,
+        0.5,
+        0.05,
+    )
     assert (p.repulsion_angle, p.zero_theta_flux, p.force_exponent) == (0, False, 2)
 
 

@@ -15,8 +15,14 @@ from ..model.system import rate_of_change
 from .zones import stripe_widths, zone_angles
 
 REGIMES = (
-    "disordered", "unidirectional", "cyclosis", "multistripe", "circumferential", "travelling", "undecided",
-)  # fmt: skip
+    "disordered",
+    "unidirectional",
+    "cyclosis",
+    "multistripe",
+    "circumferential",
+    "travelling",
+    "undecided",
+)
 
 DISORDER = 0.05
 """Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""

@@ -56,10 +56,19 @@ def start(system: System, spectrum: jax.Array, t: Any) -> Progress:
     nonlinear = system.nonlinear(now)
     zero = jnp.asarray(0, jnp.int64)
     return Progress(
-        t, spectrum, nonlinear, jnp.asarray(FIRST_RUNG, jnp.int64), jnp.asarray(0.0, jnp.float64), zero,
-        zero + 1, zero, zero, jnp.max(jnp.abs(now.p)).astype(jnp.float64),
-        _relative_rate(system.linear(), spectrum, nonlinear), jnp.asarray(False),
-    )  # fmt: skip
+        t,
+        spectrum,
+        nonlinear,
+        jnp.asarray(FIRST_RUNG, jnp.int64),
+        jnp.asarray(0.0, jnp.float64),
+        zero,
+        zero + 1,
+        zero,
+        zero,
+        jnp.max(jnp.abs(now.p)).astype(jnp.float64),
+        _relative_rate(system.linear(), spectrum, nonlinear),
+        jnp.asarray(False),
+    )
 
 
 @partial(jax.jit, static_argnames="adaptive")
@@ -79,9 +88,7 @@ def advance(
     def body(carry: tuple[Progress, Any, Tableau]) -> tuple[Progress, Any, Tableau]:
         now, tabulated, coefficients = carry
         now = _aim(now, control, target, adaptive)
-        coefficients = jax.lax.cond(
-            now.h == tabulated, lambda: coefficients, lambda: tableau(linear, now.h)
-        )
+        coefficients = jax.lax.cond(now.h == tabulated, lambda: coefficients, lambda: tableau(linear, now.h))
         return _one_step(system, control, now, target, linear, coefficients, adaptive), now.h, coefficients
 
     blank = jnp.zeros_like(linear)
@@ -105,8 +112,7 @@ def _one_step(
     result = step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
     bounded = result.peak <= DIVERGED**2  # False for NaN as well
     if adaptive:
-        size = control.atol + control.rtol * _rms(result.spectrum)
-        error = _rms(result.error) / size
+        error = _rms(result.error) / _tolerance(control, now, _rms(result.spectrum))
         good = bounded & (error <= 1.0)
         # The length that would just meet the tolerance; a clipped step says nothing against its rung.
         factor = jnp.where(bounded, SAFETY * jnp.maximum(error, 1e-12) ** (-1.0 / ORDER), 0.0)
@@ -144,6 +150,17 @@ def _one_step(
         rate=pick(_relative_rate(linear, result.spectrum, result.nonlinear), now.rate),
         failed=failed & ~good,
     )
+
+
+def _tolerance(control: Control, now: Progress, size: Any) -> Any:
+    """Return the error allowed in a step.
+
+    Where a steady state is sought, the error must also stay below a tenth of the step's own change:
+    otherwise steps grow until their errors keep the state from settling.
+    """
+    allowed = control.atol + control.rtol * size
+    change = now.h * jnp.maximum(now.rate, control.steady_rate) * size
+    return jnp.where(control.steady_rate > 0, jnp.minimum(allowed, control.atol + 0.1 * change), allowed)
 
 
 def _length(rung: Any) -> Any:

@@ -47,7 +47,10 @@ class Settings:
             interval = getattr(self, name)
             if interval is not None and self.t_end / interval > MAX_FRAMES:
                 raise InputError(
-                    name, interval, f"at least t_end / {MAX_FRAMES} = {self.t_end / MAX_FRAMES:g}", "save less often"
+                    name,
+                    interval,
+                    f"at least t_end / {MAX_FRAMES} = {self.t_end / MAX_FRAMES:g}",
+                    "save less often",
                 )
         if self.precision == "float32" and self.stepper == "adaptive" and self.rtol < 1e-6:
             raise InputError("rtol", self.rtol, "at least 1e-06 in float32", "raise it, or use float64")
@@ -78,5 +81,6 @@ class Settings:
 def _every(interval: float, end: float) -> Array:
     # A last interval shorter than a millionth of the others is rounding, not an interval.
     count = int(np.floor(end / interval + 1e-6))
-    times = np.minimum(interval * np.arange(count + 1), end)
+    # Rounding makes 3 * 0.3 the time 0.9 that a user would ask for.
+    times = np.minimum(np.round(interval * np.arange(count + 1), 12), end)
     return times if abs(times[-1] - end) <= 1e-6 * interval else np.append(times, end)

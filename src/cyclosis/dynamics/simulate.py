@@ -99,16 +99,16 @@ def simulate(
     """
     how = Settings(t_end=t_end, save_every=save_every, **_known(settings))
     P = grid.check_state(state, "the initial state", bounded=True)
-    cell = system(
-        params, grid, select_terms(terms), how.dealias, how.precision, split=how.stepper != "rk4"
-    )
+    cell = system(params, grid, select_terms(terms), how.dealias, how.precision, split=how.stepper != "rk4")
     spectrum = cell.spectrum(P)
     largest = float(np.max(np.hypot(*cell.state(spectrum))))
     if largest > DIVERGED:
         raise InputError(
-            "max |P| of the initial state without Nyquist modes", float(f"{largest:.4g}"), "at most 1",
+            "max |P| of the initial state without Nyquist modes",
+            float(f"{largest:.4g}"),
+            "at most 1",
             "smooth the state, or use a finer grid",
-        )  # fmt: skip
+        )
     with double():
         return _Run(params, grid, how, cell, progress).go(spectrum)
 
@@ -124,9 +124,13 @@ class _Run:
     """The state of one call of `simulate`."""
 
     def __init__(
-        self, params: Parameters, grid: CylinderGrid, how: Settings, cell: System,
+        self,
+        params: Parameters,
+        grid: CylinderGrid,
+        how: Settings,
+        cell: System,
         progress: Callable[[Snapshot], None] | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.params, self.grid, self.how, self.cell, self.report = params, grid, how, cell, progress
         self.device_cell = jax.device_put(cell)
         self.began = clock.perf_counter()
@@ -135,7 +139,10 @@ class _Run:
         self.record_times, self.records = list[float](), list[dict[str, Any]]()
         self.watch = _Watch(cell, how)
         self.control = Control(
-            *(np.float64(x) for x in (how.rtol, how.atol, how.dt or _default_dt(how, cell), how.steady_rate or 0.0))
+            *(
+                np.float64(x)
+                for x in (how.rtol, how.atol, how.dt or _default_dt(how, cell), how.steady_rate or 0.0)
+            )
         )
 
     def go(self, spectrum: npt.NDArray[Any]) -> Trajectory:
@@ -167,7 +174,9 @@ class _Run:
         while float(now.t) < target:
             began = clock.perf_counter()
             try:
-                now = advance(self.device_cell, self.control, now, np.float64(target), np.int64(steps), adaptive)
+                now = advance(
+                    self.device_cell, self.control, now, np.float64(target), np.int64(steps), adaptive
+                )
                 now.t.block_until_ready()
                 if self.report is not None:
                     self.report(Snapshot(float(now.t), self.how.t_end, self._state(now), self._wall()))
@@ -201,15 +210,24 @@ class _Run:
         t = float(now.t)
         when = self.watch.time if status is Status.UNDERRESOLVED and self.watch.time is not None else t
         return Trajectory(
-            params=self.params, grid=self.grid, settings=self.how, terms=self.cell.terms,
-            times=np.array(self.times), frames=self.frames, record_times=np.array(self.record_times),
+            params=self.params,
+            grid=self.grid,
+            settings=self.how,
+            terms=self.cell.terms,
+            times=np.array(self.times),
+            frames=self.frames,
+            record_times=np.array(self.record_times),
             records={name: np.stack([r[name] for r in self.records]) for name in self.records[0]}
-            if self.records else {},
-            status=status, status_time=when, message=_message(status, when, self.how, self.watch.sign),
-            t_final=t, final_state=self._state(now),
+            if self.records
+            else {},
+            status=status,
+            status_time=when,
+            message=_message(status, when, self.how, self.watch.sign),
+            t_final=t,
+            final_state=self._state(now),
             progress={name: np.asarray(value) for name, value in now._asdict().items()},
             effort=Effort(int(now.evaluations), int(now.accepted), int(now.rejected), self._wall()),
-        )  # fmt: skip
+        )
 
 
 class _Interrupted(Exception):
@@ -239,6 +257,6 @@ def _message(status: Status, t: float, how: Settings, sign: str) -> str:
         return f"Underresolved from t = {t:g}: {sign}; use more grid points, or dealias."
     cure = "use a smaller dt or the adaptive stepper" if how.stepper != "adaptive" else "use more grid points"
     return (
-        f"Diverged after t = {t:g}: |P| would pass {DIVERGED:g} or no step is small enough; the last good state "
-        f"is kept; {cure}, or lower epsilon."
+        f"Diverged after t = {t:g}: |P| would pass {DIVERGED:g} or no step is small enough; "
+        f"the last good state is kept; {cure}, or lower epsilon."
     )

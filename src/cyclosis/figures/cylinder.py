@@ -19,7 +19,7 @@ TILT = 0.2
 """Default angle, in radians, by which the viewer looks down on the cylinder."""
 PIXELS = 320
 """Default number of colour samples across the diameter: 300 dpi for a cylinder 27 mm wide."""
-_DARKEST = 0.5
+_DARKEST = 0.58
 
 
 def project(
@@ -35,6 +35,11 @@ def project(
     facing = np.cos(angle)
     y = np.asarray(z, dtype=np.float64) * np.cos(tilt) - facing * np.sin(tilt)
     return np.sin(angle), y, facing > 0
+
+
+def checked_tilt(tilt: float) -> float:
+    """Return a tilt in radians, or raise `InputError` for one that would hide the side of the cylinder."""
+    return number("tilt", tilt, 0.0, 1.2, "choose an angle in radians")
 
 
 def extent(length: float, tilt: float = TILT) -> tuple[float, float, float, float]:
@@ -65,18 +70,21 @@ def draw(
     """
     state, flow = grid.check_state(P), grid.check_state(u, "the flow")
     view_angle = number("view_angle", view_angle, -1e6, 1e6, "choose an angle in radians")
-    tilt = number("tilt", tilt, 0.0, 1.2, "choose an angle in radians")
+    tilt = checked_tilt(tilt)
     box = extent(grid.length, tilt)
     body = _body(grid.length, tilt)
     image = ax.imshow(
-        _shaded(grid, state[1], view_angle, tilt, pixels), extent=box, origin="lower", interpolation="bilinear",
+        _shaded(grid, state[1], view_angle, tilt, pixels),
+        extent=box,
+        origin="lower",
+        interpolation="bilinear",
         zorder=1,
-    )  # fmt: skip
+    )
     image.set_clip_path(body, ax.transData)
     window = (view_angle - 0.5 * np.pi, view_angle + 0.5 * np.pi)
 
     def paint_on(polygons: list[Array], colour: str, alpha: Array | float = 1.0) -> None:
-        flat = [np.stack(project(*polygon.T, view_angle, tilt)[:2], axis=1) for polygon in polygons]
+        flat = [np.stack(project(p[:, 0], p[:, 1], view_angle, tilt)[:2], axis=1) for p in polygons]
         paint(ax, flat, colour, alpha, clip=body)
 
     if streamlines:
@@ -85,9 +93,14 @@ def draw(
         paint_on(lines, INK, strength)
     paint_on(zone_ribbons(grid, state, window), ZONE)
     lid = Ellipse(
-        (0.0, grid.length * np.cos(tilt)), 2.0, 2.0 * np.sin(tilt), facecolor=PAPER, edgecolor=INK, linewidth=0.6,
+        (0.0, grid.length * np.cos(tilt)),
+        2.0,
+        2.0 * np.sin(tilt),
+        facecolor=PAPER,
+        edgecolor=INK,
+        linewidth=0.6,
         zorder=4,
-    )  # fmt: skip
+    )
     ax.add_patch(PathPatch(body, facecolor="none", edgecolor=INK, linewidth=0.6, zorder=3))
     ax.add_patch(lid)
     ax.set(xlim=(-1.03, 1.03), ylim=(box[2] - 0.03, box[3] + 0.03), aspect="equal")

@@ -13,7 +13,7 @@ from matplotlib.patches import ConnectionPatch
 from ..model.errors import InputError, number
 from . import cylinder
 from .frames import facing_zone, frame, grid_of, indices_at, peak_speed, story
-from .style import INK, QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb
+from .style import QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb
 from .unwrapped import draw_map
 
 CYLINDERS = 6
@@ -21,7 +21,7 @@ CYLINDERS = 6
 MAPS = 3
 """Number of maps where no times are given for them."""
 # Places in millimetres.
-_MARGIN, _LABEL, _LINKS, _AXIS, _KEY, _GAP = 2.0, 6.5, 9.0, 9.0, 19.0, 6.0
+_MARGIN, _LABEL, _LINKS, _AXIS, _KEY, _GAP = 2.0, 6.5, 9.0, 6.5, 12.5, 7.0
 _TALLEST = 72.0
 
 
@@ -35,7 +35,7 @@ def emergence(
 ) -> Figure:
     """Return the figure of a run: a row of cylinders over time, and unwrapped maps of some of them.
 
-    `dataset` is a run's `xarray.Dataset` with P and u. `times` of the cylinders (at most 8): the saved
+    `dataset` is a run's `xarray.Dataset` with P and u. `times` of the cylinders (2 to 8): the saved
     frames nearest to them are drawn and labelled with their own times; by default six that tell the
     story. `map_times` are those of them to unwrap, at most half as many; by default every other one.
     `view_angle` (radians) is the angle that faces the viewer, by default one that shows an indifferent
@@ -44,15 +44,17 @@ def emergence(
     dataset, too few frames, or a dataset without fields.
     """
     grid = grid_of(dataset)
+    tilt = cylinder.checked_tilt(tilt)
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     shown = story(dataset, CYLINDERS) if times is None else indices_at(dataset, times)
-    if len(shown) > 8:
-        raise InputError("the number of times", len(shown), "at most 8", "choose fewer times")
+    if not 2 <= len(shown) <= 8:
+        raise InputError("the number of times", len(shown), "from 2 to 8", "choose more or fewer times")
     unwrapped = _unwrapped(dataset, shown, map_times)
     if view_angle is None:
         view_angle = facing_zone(frame(dataset, shown[-1])[0])
     with matplotlib.rc_context(TYPE):
-        return _Layout(dataset, shown, unwrapped, width, cylinder.extent(grid.length, tilt)).drawn(view_angle, tilt)
+        layout = _Layout(dataset, shown, unwrapped, width, cylinder.extent(grid.length, tilt))
+        return layout.drawn(view_angle, tilt)
 
 
 def _unwrapped(dataset: Any, shown: list[int], map_times: Sequence[float] | None) -> list[int]:
@@ -61,7 +63,7 @@ def _unwrapped(dataset: Any, shown: list[int], map_times: Sequence[float] | None
         count = min(MAPS, len(shown) // 2)
         return shown[len(shown) - 2 * count + 1 :: 2]
     found = indices_at(dataset, map_times, "map_times")
-    most = max(1, len(shown) // 2)
+    most = len(shown) // 2
     if len(found) > most:
         raise InputError("the number of map_times", len(found), f"at most {most}", "choose fewer maps")
     for index, time in zip(found, map_times, strict=True):
@@ -79,9 +81,13 @@ class _Layout:
     """Where everything goes, in millimetres from the lower left corner."""
 
     def __init__(
-        self, dataset: Any, shown: list[int], unwrapped: list[int], width: float,
+        self,
+        dataset: Any,
+        shown: list[int],
+        unwrapped: list[int],
+        width: float,
         box: tuple[float, float, float, float],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.dataset, self.grid, self.shown, self.unwrapped = dataset, grid_of(dataset), shown, unwrapped
         self.peak = peak_speed(dataset)
         self.column = (width - 2 * _MARGIN) / max(len(shown), 4)
@@ -111,9 +117,11 @@ class _Layout:
         return self.figure
 
     def _map(self, k: int, index: int, cell: Any) -> None:
-        ax = place(self.figure, _MARGIN + _AXIS + k * (self.map[0] + _GAP), _AXIS, *self.map)
+        slot = (self.width - 2 * _MARGIN - _AXIS - _KEY) / len(self.unwrapped)
+        left = _MARGIN + _AXIS + (k + 0.5) * slot - 0.5 * (self.map[0] + _GAP)
+        ax = place(self.figure, left, _AXIS, *self.map)
         draw_map(ax, self.grid, *frame(self.dataset, index), peak_speed=self.peak)
-        ax.set_xlabel("$θ$", labelpad=-7.0)
+        ax.set_xlabel("$θ$", labelpad=-6.0)
         if k == 0:
             ax.set_ylabel("$z$", rotation=0, labelpad=-1.0, va="center")
         else:
@@ -121,19 +129,25 @@ class _Layout:
         # The lines of unrolling: the lower rim of the cylinder opens out into the upper edge of its map.
         for x, edge in ((-1.0, 0.0), (1.0, 1.0)):
             link = ConnectionPatch(
-                (x, 0.0), (edge, 1.0), "data", "axes fraction", axesA=cell, axesB=ax, color=QUIET, linewidth=0.6,
+                (x, 0.0),
+                (edge, 1.0),
+                "data",
+                "axes fraction",
+                axesA=cell,
+                axesB=ax,
+                color=QUIET,
+                linewidth=0.6,
                 zorder=0,
-            )  # fmt: skip
+            )
             self.figure.add_artist(link)
 
     def _key(self) -> None:
         """Draw the colours of P_z as an upright bar beside the maps, up-streaming on top."""
-        ax = place(self.figure, self.width - _MARGIN - _KEY + 6.0, _AXIS, 3.2, self.map[1])
+        ax = place(self.figure, self.width - _MARGIN - _KEY + 4.0, _AXIS, 3.2, self.map[1])
         levels = np.linspace(-1.0, 1.0, 512)
         ax.imshow(polarity_rgb(levels)[:, None, :], extent=(0, 1, -1, 1), origin="lower", aspect="auto")
         ax.axhline(0.0, color=ZONE, linewidth=1.2)
         ax.set_xticks([])
         ax.set_yticks([-1, 0, 1], ["−1", "0", "1"])
         ax.yaxis.tick_right()
-        ax.set_ylabel("$P_z$", rotation=0, labelpad=3.0, va="center", color=INK)
-        ax.yaxis.set_label_position("right")
+        ax.set_title("$P_z$", pad=5.0, fontsize=TYPE["font.size"])

@@ -1,4 +1,4 @@
-"""Frames of a run's dataset: reading one, finding those at given times, choosing those that tell the story."""
+"""Frames of a run's dataset: reading one, finding those at given times, choosing those that tell a story."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from ..analysis.zones import zone_angles
 from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 
-# Shares of the whole way that P travels until the end. Most of it lies in the growth and the straightening;
-# the last frames, when next to nothing moves any more, hardly count, however long the run went on.
-_FIRST, _LAST = 0.035, 0.995
+SETTLED = 0.995
+"""Share of the whole way that P travels after which a story ends: what follows hardly moves."""
 _DIMS = ("time", "component", "theta", "z")
 
 
@@ -24,8 +23,8 @@ def grid_of(dataset: Any) -> CylinderGrid:
         raise InputError("dataset", type(dataset).__name__, "an xarray.Dataset", "use the dataset of a run")
     for name in ("P", "u"):
         if name not in dataset or dataset[name].dims != _DIMS or "time" not in dataset.coords:
-            rule = "those of a run, with P and u over (time, component, theta, z)"
-            raise InputError("the dataset's variables", list(dataset.data_vars), rule, "use the dataset of a run")
+            found, rule = list(dataset.data_vars), "P and u over (time, component, theta, z), and others"
+            raise InputError("the dataset's variables", found, rule, "use the dataset of a run")
     length = number("length", dataset.attrs.get("length"), 1e-9, 1e9, "keep the dataset's attribute `length`")
     return CylinderGrid(dataset.sizes["theta"], dataset.sizes["z"], length)
 
@@ -62,9 +61,8 @@ def indices_at(dataset: xarray.Dataset, times: npt.ArrayLike, name: str = "times
             raise InputError(name, time, rule, "choose a time that was saved")
     found = [int(np.argmin(np.abs(saved - time))) for time in wanted]
     if np.any(np.diff(found) < 1):
-        raise InputError(
-            name, wanted.tolist(), "increasing, each with its own saved frame", "spread them, or save more often"
-        )
+        rule = "increasing, each with its own saved frame"
+        raise InputError(name, wanted.tolist(), rule, "spread them, or save more often")
     return found
 
 
@@ -72,8 +70,9 @@ def story(dataset: xarray.Dataset, count: int) -> list[int]:
     """Return `count` frames, in order, that tell how the state came about.
 
     They lie evenly along the way that P travels, the sum of <|P(t + dt) - P(t)|²>^½ over the saved
-    frames: fast changes get more frames than slow ones. The first shows what grows out of disorder, the
-    last the state once it hardly changes. Raises `InputError` for fewer than `count` frames.
+    frames: fast changes get more frames than slow ones. The first is the initial state, the last the
+    state once it hardly changes, however long the run went on. Raises `InputError` for fewer than
+    `count` frames.
     """
     frames = dataset.sizes["time"]
     if frames < count:
@@ -83,7 +82,7 @@ def story(dataset: xarray.Dataset, count: int) -> list[int]:
         now = frame(dataset, index)[0]
         way.append(way[-1] + float(np.sqrt(np.mean(np.sum((now - before) ** 2, axis=0)))))
         before = now
-    shares = np.linspace(_FIRST, _LAST, count)
+    shares = np.linspace(0.0, SETTLED, count)
     chosen = np.abs(np.array(way)[:, None] - shares * way[-1]).argmin(axis=0)
     # Each its own frame: later ones are moved on where several fell on one, then back from the end.
     offset = np.arange(count)
@@ -91,7 +90,7 @@ def story(dataset: xarray.Dataset, count: int) -> list[int]:
     return [int(i) for i in np.minimum(chosen, frames - count + offset)]
 
 
-def facing_zone(P: npt.ArrayLike, beside: float = 0.35) -> float:
+def facing_zone(P: npt.ArrayLike, beside: float = 0.25) -> float:
     """Return a viewing angle in [0, 2π) that shows an indifferent zone of a state (2, n_theta, n_z).
 
     The zone appears `beside` radians left of the middle, with the upward stream on its right. Without a zone

@@ -78,7 +78,9 @@ def stream_ribbons(
     return polygons, np.array(strengths)
 
 
-def paint(ax: Any, polygons: list[Array], colour: str, alpha: Array | float = 1.0, clip: Path | None = None) -> None:
+def paint(
+    ax: Any, polygons: list[Array], colour: str, alpha: Array | float = 1.0, clip: Path | None = None
+) -> None:
     """Add polygons (n, 2) in picture coordinates to axes, in one colour, clipped to a path.
 
     `alpha` is one opacity or one for each polygon.

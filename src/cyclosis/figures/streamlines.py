@@ -42,15 +42,20 @@ class Streamline:
 
 
 def streamlines(
-    grid: CylinderGrid, u: npt.ArrayLike, *, separation: float = 0.11, length: float = 1.2, slowest: float = 0.0
+    grid: CylinderGrid,
+    u: npt.ArrayLike,
+    *,
+    separation: float = 0.1,
+    length: float = 1.2,
+    slowest: float = 0.0,
 ) -> list[Streamline]:
     """Return streamlines of a flow (2, n_theta, n_z) that fill the surface evenly.
 
     No two lines, nor two turns of one, come closer than `separation`; no line is longer than `length`
     or enters places where |u| <= `slowest`. Lines are traced by fourth-order Runge-Kutta steps along
     u/|u|, with u refined by Fourier and then by bilinear interpolation, from fixed seeds: the same flow
-    gives the same lines.
-    Everything is dimensionless, lengths in radii. Raises `InputError` for a mismatched flow.
+    gives the same lines. Everything is dimensionless, lengths in radii. Raises `InputError` for a
+    mismatched flow.
     """
     flow = grid.check_state(u, "the flow")
     separation = number("separation", separation, 0.02, 3.0, "choose a distance in radii")
@@ -118,7 +123,12 @@ def _traced(velocity: Velocity, seeds: Array, steps: int) -> Array:
 
 
 def _spread(
-    grid: CylinderGrid, points: Array, speed: Array, slow: npt.NDArray[np.bool_], separation: float, length: float
+    grid: CylinderGrid,
+    points: Array,
+    speed: Array,
+    slow: npt.NDArray[np.bool_],
+    separation: float,
+    length: float,
 ) -> list[Streamline]:
     """Keep lines one by one, cut where they come too close to those kept before."""
     near_line, near_seed = (_Taken(grid, distance) for distance in (separation, ROOM * separation))

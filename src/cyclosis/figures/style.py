@@ -19,7 +19,7 @@ from ..model.grid import Array
 # colour vision, while both are nearly black at P_z = 0. The steps are closer near zero: weak order shows.
 _PURPLE = ("#16111b", "#472860", "#74399f", "#9757c8", "#b377e3")
 _GREEN = ("#101811", "#2b5232", "#458951", "#63bf74", "#87ec98")
-_MAGNITUDE = (0.0, 0.14, 0.37, 0.66, 1.0)
+_MAGNITUDE = (0.0, 0.1, 0.33, 0.64, 1.0)
 POLARITY = LinearSegmentedColormap.from_list(
     "polarity",
     [(0.5 - 0.5 * m, colour) for m, colour in zip(reversed(_MAGNITUDE), reversed(_GREEN), strict=True)]
@@ -43,7 +43,7 @@ DPI = 300
 """Dots per inch of saved bitmaps."""
 
 # STIX comes with matplotlib, so the figures look the same on every machine.
-TYPE = {
+TYPE: dict[Any, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 10.0,

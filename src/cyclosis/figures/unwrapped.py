@@ -37,14 +37,17 @@ def draw_map(
     fine = interpolate(state[1], (4 * grid.n_theta, 4 * grid.n_z))
     d_theta, d_z = 2 * np.pi / fine.shape[0], grid.length / fine.shape[1]
     ax.imshow(
-        polarity_rgb(np.pad(fine, ((0, 1), (0, 1)), mode="wrap").T), origin="lower", interpolation="bilinear",
-        extent=(-0.5 * d_theta, 2 * np.pi + 0.5 * d_theta, -0.5 * d_z, grid.length + 0.5 * d_z), zorder=1,
-    )  # fmt: skip
+        polarity_rgb(np.pad(fine, ((0, 1), (0, 1)), mode="wrap").T),
+        origin="lower",
+        interpolation="bilinear",
+        extent=(-0.5 * d_theta, 2 * np.pi + 0.5 * d_theta, -0.5 * d_z, grid.length + 0.5 * d_z),
+        zorder=1,
+    )
     if streamlines:
         peak = float(np.hypot(*flow).max()) if peak_speed is None else peak_speed
         lines, strength = stream_ribbons(grid, flow, window, peak, SCALE)
         paint(ax, lines, INK, strength)
     paint(ax, zone_ribbons(grid, state, window, SCALE), ZONE)
     ax.set(xlim=(0, 2 * np.pi), ylim=(0, grid.length), aspect="equal")
-    ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
+    ax.set_xticks([0, 2 * np.pi], ["0", "2π"])
     ax.set_yticks([0, grid.length], ["0", f"{grid.length:g}"])

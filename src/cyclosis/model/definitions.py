@@ -7,6 +7,7 @@ these definitions. Nothing heavy is imported here.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Literal
 
 from . import errors
@@ -96,8 +97,10 @@ class Definition:
             return tuple(errors.whole(self.name, item, low, high, self.remedy) for item in value)
         if not listed or not value:
             raise errors.InputError(self.name, value, self.rule, self.remedy)
-        times = tuple(errors.number(self.name, item, self.minimum, self.maximum, self.remedy) for item in value)
-        if any(b <= a for a, b in zip(times, times[1:], strict=False)):
+        times = tuple(
+            errors.number(self.name, item, self.minimum, self.maximum, self.remedy) for item in value
+        )
+        if any(b <= a for a, b in pairwise(times)):
             raise errors.InputError(self.name, value, self.rule, "sort them and leave out repeats")
         return times
 
@@ -117,25 +120,41 @@ def _plain(text: str) -> Any:
 PARAMETERS = (
     Definition("alpha_p", "α_p", "spontaneous alignment (bundling) rate", 1.0, field=True),
     Definition("alpha_u", "α_u", "polar alignment of filaments with the flow", 0.5, field=True),
-    Definition("epsilon", "ε", "passive advection and shear alignment left by restriction", 0.1, maximum=10.0),
+    Definition(
+        "epsilon", "ε", "passive advection and shear alignment left by restriction", 0.1, maximum=10.0
+    ),
     Definition("d_s", "d⁽ˢ⁾", "spatial diffusion constant", 0.025, maximum=10.0),
     Definition("d_r", "d⁽ʳ⁾", "rotational diffusion constant", 0.025, maximum=10.0),
     Definition("kappa", "κ", "strength of the repulsive direction", 0.5, field=True),
     Definition("mu", "μ", "viscosity of the layer relative to its wall friction", 0.05, maximum=100.0),
     Definition(
-        "repulsion_angle", "φ_d", "angle of the repulsive direction d from e_theta, in radians",
-        0.0, minimum=-10.0, maximum=10.0, field=True,
+        "repulsion_angle",
+        "φ_d",
+        "angle of the repulsive direction d from e_theta, in radians",
+        0.0,
+        minimum=-10.0,
+        maximum=10.0,
+        field=True,
     ),
     Definition(
-        "zero_theta_flux", "-", "also hold the mean circumferential flow at zero",
-        False, kind="flag",
+        "zero_theta_flux",
+        "-",
+        "also hold the mean circumferential flow at zero",
+        False,
+        kind="flag",
     ),
     Definition("force_exponent", "n", "exponent of the force law F = |P|^n P", 2.0, maximum=10.0),
-)  # fmt: skip
+)
 
 TERM_NAMES = (
-    "advection", "shear", "bundling", "flow_alignment", "repulsion", "diffusion", "rotational_diffusion",
-)  # fmt: skip
+    "advection",
+    "shear",
+    "bundling",
+    "flow_alignment",
+    "repulsion",
+    "diffusion",
+    "rotational_diffusion",
+)
 
 GRID = (
     Definition("n_theta", "n_θ", "grid points around the axis", 64, "whole", 8, 8192),
@@ -145,44 +164,112 @@ GRID = (
 
 INITIAL = (
     Definition(
-        "kind", "P(0)", "initial state", "disordered", "choice",
+        "kind",
+        "P(0)",
+        "initial state",
+        "disordered",
+        "choice",
         allowed=("disordered", "unidirectional", "circumferential", "stripes", "file"),
     ),
     Definition("seed", "s", "seed of the random numbers", 0, "whole", 0, 2**63 - 1),
     Definition(
-        "filaments_per_square", "N", "filaments per grid square, noise variance 1/(2N); in ordered states "
-        "left out for no noise", 1000.0, "number", 1e-3, 1e15,
+        "filaments_per_square",
+        "N",
+        "filaments per grid square, noise variance 1/(2N); in ordered states left out for no noise",
+        1000.0,
+        "number",
+        1e-3,
+        1e15,
     ),
-    Definition("noise_grid", "-", "grid [n_theta, n_z] on which the noise is drawn", None, "shape", 8, 8192,
-               optional=True),
+    Definition(
+        "noise_grid",
+        "-",
+        "grid [n_theta, n_z] on which the noise is drawn",
+        None,
+        "shape",
+        8,
+        8192,
+        optional=True,
+    ),
     Definition("magnitude", "|P|", "magnitude of an ordered initial state", 0.9, "number", 0.0, 1.0),
     Definition("stripes", "-", "number of stripes of an initial state of stripes", 2, "whole", 2, 512),
     Definition("path", "-", "file that an initial state is read from", None, "text", optional=True),
-    Definition("frame", "-", "frame of that file, counted from 0, or from the end if negative", -1, "whole",
-               -10**9, 10**9),
-)  # fmt: skip
+    Definition(
+        "frame",
+        "-",
+        "frame of that file, counted from 0, or from the end if negative",
+        -1,
+        "whole",
+        -(10**9),
+        10**9,
+    ),
+)
 
 RUN = (
     Definition("t_end", "t", "time at which the run ends", 200.0, "number", 0.0, 1e9),
     Definition("save_every", "-", "time between saved fields", 1.0, "number", 1e-6, 1e9),
-    Definition("save_at", "-", "times of saved fields, instead of save_every", None, "numbers", 0.0, 1e9,
-               optional=True),
-    Definition("record_every", "-", "time between recorded scalars (default: where fields are saved)", None,
-               "number", 1e-6, 1e9, optional=True),
+    Definition(
+        "save_at",
+        "-",
+        "times of saved fields, instead of save_every",
+        None,
+        "numbers",
+        0.0,
+        1e9,
+        optional=True,
+    ),
+    Definition(
+        "record_every",
+        "-",
+        "time between recorded scalars (default: where fields are saved)",
+        None,
+        "number",
+        1e-6,
+        1e9,
+        optional=True,
+    ),
     Definition("stepper", "-", "time stepper", "adaptive", "choice", allowed=("adaptive", "etdrk4", "rk4")),
-    Definition("rtol", "-", "relative error allowed in a step of the adaptive stepper", 1e-4, "number", 1e-13,
-               1e-1),
-    Definition("atol", "-", "absolute error allowed in a step (root mean square of P)", 1e-10, "number", 0.0,
-               1e-1),
-    Definition("dt", "Δt", "time step of the fixed steppers (default: 0.1, or rk4's stability bound)", None,
-               "number", 1e-9, 1e3, optional=True),
-    Definition("dealias", "-", "padding of products against aliasing", "none", "choice",
-               allowed=("none", "quadratic", "cubic", "full")),
-    Definition("precision", "-", "floating-point precision", "float64", "choice", allowed=("float64", "float32")),
-    Definition("terms", "-", "terms of the filament equation that act", TERM_NAMES, "names", allowed=TERM_NAMES),
-    Definition("steady_rate", "-", "stop as steady once |dP/dt| / |P| falls below this", None, "number", 1e-14,
-               1.0, optional=True),
-)  # fmt: skip
+    Definition(
+        "rtol", "-", "relative error allowed in a step of the adaptive stepper", 1e-4, "number", 1e-13, 1e-1
+    ),
+    Definition(
+        "atol", "-", "absolute error allowed in a step (root mean square of P)", 1e-10, "number", 0.0, 1e-1
+    ),
+    Definition(
+        "dt",
+        "Δt",
+        "time step of the fixed steppers (default: 0.1, or rk4's stability bound)",
+        None,
+        "number",
+        1e-9,
+        1e3,
+        optional=True,
+    ),
+    Definition(
+        "dealias",
+        "-",
+        "padding of products against aliasing",
+        "none",
+        "choice",
+        allowed=("none", "quadratic", "cubic", "full"),
+    ),
+    Definition(
+        "precision", "-", "floating-point precision", "float64", "choice", allowed=("float64", "float32")
+    ),
+    Definition(
+        "terms", "-", "terms of the filament equation that act", TERM_NAMES, "names", allowed=TERM_NAMES
+    ),
+    Definition(
+        "steady_rate",
+        "-",
+        "stop as steady once |dP/dt| / |P| falls below this",
+        None,
+        "number",
+        1e-14,
+        1.0,
+        optional=True,
+    ),
+)
 
 TABLES = {"parameters": PARAMETERS, "grid": GRID, "initial": INITIAL, "run": RUN}
 

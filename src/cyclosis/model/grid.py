@@ -39,12 +39,12 @@ class CylinderGrid:
     @property
     def theta(self) -> Array:
         """Angles of the points, shape (n_theta,), radians."""
-        return 2 * np.pi / self.n_theta * np.arange(self.n_theta)
+        return _multiples(2 * np.pi / self.n_theta, self.n_theta)
 
     @property
     def z(self) -> Array:
         """Axial positions of the points, shape (n_z,), in radii."""
-        return self.length / self.n_z * np.arange(self.n_z)
+        return _multiples(self.length / self.n_z, self.n_z)
 
     @property
     def m(self) -> Array:
@@ -79,9 +79,11 @@ class CylinderGrid:
         largest = float(np.sqrt(np.max(np.sum(array**2, axis=0))))
         if bounded and largest > 1 + 1e-12:
             raise InputError(
-                f"max |P| of {name}", float(f"{largest:.6g}"), "at most 1, because P is a mean of unit vectors",
+                f"max |P| of {name}",
+                float(f"{largest:.6g}"),
+                "at most 1, because P is a mean of unit vectors",
                 "scale the state down, or raise filaments_per_square if it is noise",
-            )  # fmt: skip
+            )
         return array
 
 
@@ -100,6 +102,10 @@ def interpolate(values: npt.ArrayLike, shape: tuple[int, int]) -> Array:
     rows, cols = (_shared_modes(a, b) for a, b in zip(field.shape[-2:], shape, strict=True))
     target[..., rows[:, None], cols] = spectrum[..., rows[:, None], cols]
     return np.fft.ifft2(target, norm="forward").real
+
+
+def _multiples(step: float, n: int) -> Array:
+    return step * np.arange(n, dtype=np.float64)
 
 
 def _mode_numbers(n: int) -> Array:

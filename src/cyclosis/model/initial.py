@@ -87,9 +87,11 @@ def fitted(grid: CylinderGrid, state: Any) -> Array:
     array = np.asarray(state)
     if array.ndim != 3 or array.shape[0] != 2 or min(array.shape[1:]) < 8:
         raise InputError(
-            "the initial state", array, "an array of shape (2, n_theta, n_z) with at least 8 points each way",
+            "the initial state",
+            array,
+            "an array of shape (2, n_theta, n_z) with at least 8 points each way",
             "give both components on a grid",
-        )  # fmt: skip
+        )
     own = CylinderGrid(array.shape[1], array.shape[2], grid.length)
     return grid.check_state(
         interpolate(own.check_state(array), grid.shape), "the initial state", bounded=True
@@ -112,13 +114,18 @@ def from_file(path: str, grid: CylinderGrid, frame: int = -1) -> Array:
             with h5py.File(path, "r") as file:
                 frames = file["P"]
                 if not -len(frames) <= frame < len(frames):
-                    raise InputError("frame", frame, f"one of the {len(frames)} frames stored", "choose another")
+                    raise InputError(
+                        "frame", frame, f"one of the {len(frames)} frames stored", "choose another"
+                    )
                 stored = np.asarray(frames[frame % len(frames)])
     except (OSError, KeyError, EOFError, ValueError, TypeError) as error:
         if isinstance(error, InputError):
             raise
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            "path", str(path), "a readable .nc file with a variable P, or a .npy file", f"it gave: {reason[:90]}"
+            "path",
+            str(path),
+            "a readable .nc file with a variable P, or a .npy file",
+            f"it gave: {reason[:90]}",
         ) from error
     return fitted(grid, stored)

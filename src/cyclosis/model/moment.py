@@ -37,9 +37,15 @@ class Moment:
     """The state `spectrum` at `time`, and lazily the packed fields p, u, force, strain, divergence."""
 
     def __init__(
-        self, time: Any, spectrum: jax.Array, values: Values, space: Space, operator: FlowOperator,
-        cubic: bool, grid: CylinderGrid | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        time: Any,
+        spectrum: jax.Array,
+        values: Values,
+        space: Space,
+        operator: FlowOperator,
+        cubic: bool,
+        grid: CylinderGrid | None = None,
+    ) -> None:
         self.time, self.spectrum, self.values = time, spectrum, values
         self.space, self.operator, self.cubic, self.grid = space, operator, cubic, grid
 

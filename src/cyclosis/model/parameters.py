@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .definitions import PARAMETERS, definition, defaults
+from .definitions import PARAMETERS, defaults, definition
 from .errors import InputError
 
 Coupling = float | npt.NDArray[np.float64]

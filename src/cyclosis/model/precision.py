@@ -20,6 +20,8 @@ def require_double(precision: str) -> None:
     """Raise `InputError` if a function that is being traced cannot have the precision asked for."""
     if precision == "float64" and jnp.result_type(float) != jnp.float64:
         raise InputError(
-            "precision", precision, "float32 while JAX's x64 mode is off",
+            "precision",
+            precision,
+            "float32 while JAX's x64 mode is off",
             "call jax.config.update('jax_enable_x64', True) first",
-        )  # fmt: skip
+        )

@@ -59,9 +59,13 @@ class Scales:
 
     @classmethod
     def from_layer(
-        cls, radius_um: float, speed_um_per_s: float, viscosity_Pa_s: float, thickness_um: float,
+        cls,
+        radius_um: float,
+        speed_um_per_s: float,
+        viscosity_Pa_s: float,
+        thickness_um: float,
         no_slip_walls: int = 1,
-    ) -> Scales:  # fmt: skip
+    ) -> Scales:
         """Return the scales of a layer of thickness h and viscosity η between R and the vacuole.
 
         ν = 3 η/h with one no-slip wall, 12 η/h with two. With μ = η h this makes μ* = h²/(3 R²) or
@@ -72,9 +76,12 @@ class Scales:
 
     @classmethod
     def from_peak_speed(
-        cls, radius_um: float, peak_speed_um_per_s: float, friction_Pa_s_per_m: float = 1.0,
+        cls,
+        radius_um: float,
+        peak_speed_um_per_s: float,
+        friction_Pa_s_per_m: float = 1.0,
         peak_speed: float = PEAK_SPEED,
-    ) -> Scales:  # fmt: skip
+    ) -> Scales:
         """Return the scales that turn a computed `peak_speed` (units of U) into the one measured."""
         measured = _positive("peak_speed_um_per_s", peak_speed_um_per_s)
         return cls(radius_um, measured / _positive("peak_speed", peak_speed), friction_Pa_s_per_m)

@@ -85,9 +85,14 @@ def space(grid: CylinderGrid, dealias: str = "none", precision: str = "float64")
     mean[0, 0] = 1.0
     real, packed = dtypes(precision)
     return Space(
-        K.astype(packed), k2.astype(real), unit.astype(packed), keep.astype(real), mean.astype(real),
-        grid.shape, fine_shape(grid.shape, dealias),
-    )  # fmt: skip
+        K.astype(packed),
+        k2.astype(real),
+        unit.astype(packed),
+        keep.astype(real),
+        mean.astype(real),
+        grid.shape,
+        fine_shape(grid.shape, dealias),
+    )
 
 
 def fine_shape(shape: tuple[int, int], dealias: str) -> tuple[int, int]:

@@ -91,9 +91,11 @@ def system(
     """
     if params.shape not in (None, grid.shape):
         raise InputError(
-            "shape of the parameter fields", params.shape, f"that of the grid, {grid.shape}",
+            "shape of the parameter fields",
+            params.shape,
+            f"that of the grid, {grid.shape}",
             "give the fields on the grid that is used",
-        )  # fmt: skip
+        )
     chosen = filaments.select_terms(terms)
     space = spectral.space(grid, dealias, precision)
     given = dict(params.items()) | (traced or {})
@@ -101,11 +103,14 @@ def system(
     operator = hydrodynamics.flow_operator(space, values.mu, values.zero_theta_flux)
     custom = any(term.kind == "custom" for term in chosen)
     return System(
-        space, values, operator, chosen,
+        space,
+        values,
+        operator,
+        chosen,
         cubic=not (traced and "force_exponent" in traced) and params.force_exponent == 2,
         grid=grid.resized(*space.fine) if custom else None,
         split=split,
-    )  # fmt: skip
+    )
 
 
 def _values(given: dict[str, Any], space: Space, precision: str, xp: Any) -> Values:

@@ -1,0 +1,28 @@
+"""A chosen solution with exact forcing, all terms on: convergence in space and order in time."""
+
+import pytest
+from measure import check, manufactured
+
+
+def test_the_chosen_solution_solves_the_forced_equation():
+    """Its amplitude stays below 1, and all powers of it in the forcing are accounted for."""
+    check(manufactured.forcing_defect())
+
+
+def test_error_falls_geometrically_with_resolution():
+    check(manufactured.spectral(((16, 16), (32, 32), (64, 64))))
+
+
+@pytest.mark.parametrize("stepper", ["rk4", "etdrk4"])
+def test_fixed_steppers_are_of_fourth_order(stepper):
+    check(manufactured.fixed_steps(stepper))
+
+
+def test_adaptive_pair_is_of_fourth_order():
+    """The error of the solution falls with the fourth power of the number of steps."""
+    check(manufactured.adaptive())
+
+
+def test_error_estimate_is_that_of_a_third_order_method():
+    """One step: estimate h⁴, true error h⁵."""
+    check(manufactured.estimate())
