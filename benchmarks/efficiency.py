@@ -24,7 +24,9 @@ def errors(run: cy.Trajectory, reference: cy.Trajectory) -> list[float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seeds", type=int, default=3)
     arguments = parser.parse_args()
     params, grid = cy.Parameters(alpha_p=1.0, alpha_u=0.5), cy.CylinderGrid(64, 64, 5.0)
@@ -36,7 +38,9 @@ def main() -> None:
         "etdrk4, dt = 0.1": {"save_at": TIMES, "stepper": "etdrk4", "dt": 0.1},
         "rk4, dt = 0.03125": {"save_at": TIMES, "stepper": "rk4", "dt": 0.03125},
     }
-    print("| seed | stepper | right-hand sides | rejected steps | error at t = 10 | 20 | 200 | wall time, s |")
+    print(
+        "| seed | stepper | right-hand sides | rejected steps | error at t = 10 | 20 | 200 | wall time, s |"
+    )
     print("|---:|---|---:|---:|---:|---:|---:|---:|")
     for seed in range(arguments.seeds):
         state = cy.initial.disordered(grid, seed=seed)

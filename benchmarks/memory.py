@@ -30,13 +30,17 @@ print(json.dumps([len(run.frames), computed, peak, run.effort.evaluations, run.e
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--sizes", type=int, nargs="+", default=[64, 1024])
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--t-end", type=float, default=20.0)
     arguments = parser.parse_args()
     unit = 2**20 if sys.platform == "darwin" else 2**10
-    print("| n | frames | peak of the run, MiB | with writing the file, MiB | right-hand sides | wall time, s |")
+    print(
+        "| n | frames | peak of the run, MiB | with writing the file, MiB | right-hand sides | wall time, s |"
+    )
     print("|---:|---:|---:|---:|---:|---:|")
     for n in arguments.sizes:
         with tempfile.TemporaryDirectory() as folder:

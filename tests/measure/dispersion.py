@@ -73,7 +73,9 @@ def disorder(name, t_end=2.0):
     begin, end = evolved(p, np.zeros((2, *GRID.shape)), tiny_noise(1), t_end)
     modes = resolved(GRID)
     rates = disorder_rates(p, GRID)
-    growth = np.array([[end[c][k] / begin[c][k] * np.exp(-rates[c][k] * t_end) for k in modes] for c in (0, 1)])
+    growth = np.array(
+        [[end[c][k] / begin[c][k] * np.exp(-rates[c][k] * t_end) for k in modes] for c in (0, 1)]
+    )
     law = f"growth from disorder, {name}, {len(modes)} modes"
     return [
         Row(law, "amplitude of P_theta, largest relative error", float(np.abs(growth[0] - 1).max()), 1e-5),
@@ -110,7 +112,10 @@ def unidirectional(name, t_end=0.5):
     rows = [Row(law, f"amplitudes of {len(modes)} modes, largest relative error", amplitude, 1e-5)]
     for m, j in SHOWN:
         rows.append(Row(law, f"2 x 2 matrix of mode ({m}, {j}), relative error", matrices[m, j], 1e-5))
-    return [*rows, Row(law, "2 x 2 matrices of all modes, largest relative error", max(matrices.values()), 1e-5)]
+    return [
+        *rows,
+        Row(law, "2 x 2 matrices of all modes, largest relative error", max(matrices.values()), 1e-5),
+    ]
 
 
 def uniform_state():
@@ -119,7 +124,12 @@ def uniform_state():
     P0 = np.sqrt(1 - p.d_r / p.alpha_p)
     still = cy.initial.unidirectional(GRID, P0)
     run = cy.simulate(
-        p, GRID, cy.initial.unidirectional(GRID, 0.3), t_end=50.0, save_at=(20.0, 24.0, 50.0), stepper="etdrk4"
+        p,
+        GRID,
+        cy.initial.unidirectional(GRID, 0.3),
+        t_end=50.0,
+        save_at=(20.0, 24.0, 50.0),
+        stepper="etdrk4",
     )
     early, late, end = (float(frame[1].mean()) for frame in run.frames)
     rate = np.log((late - P0) / (early - P0)) / 4
@@ -128,7 +138,12 @@ def uniform_state():
         Row(law, "largest |dP/dt| at P0", float(np.abs(cy.rate_of_change(p, GRID, still)).max()), 1e-14),
         Row(law, "P reached - P0", abs(end - P0), 1e-12),
         Row(law, "rate of approach / (-2 a) - 1", abs(rate / (-2 * (p.alpha_p - p.d_r)) - 1), 1e-5),
-        Row(law, "pressure gradient - P0³", abs(cy.diagnose(p, GRID, still)["pressure_gradient"] - P0**3), 1e-14),
+        Row(
+            law,
+            "pressure gradient - P0³",
+            abs(cy.diagnose(p, GRID, still)["pressure_gradient"] - P0**3),
+            1e-14,
+        ),
         Row(law, "largest |u|", float(np.abs(cy.flow(p, GRID, still)).max()), 1e-14),
     ]
 
@@ -157,13 +172,24 @@ def thresholds():
         measured = 0.98 - 0.04 * rates[0] / (rates[1] - rates[0])
         rows += [
             Row(f"instability to {name}, alpha_u = {alpha_u:.4f}", "growth rate 2 % below", rates[0], 0.0),
-            Row(f"instability to {name}, alpha_u = {alpha_u:.4f}", "growth rate 2 % above", rates[1], None, 0.0),
-            Row(f"instability to {name}, alpha_u = {alpha_u:.4f}", "threshold / formula - 1", abs(measured - 1), 1e-5),
+            Row(
+                f"instability to {name}, alpha_u = {alpha_u:.4f}",
+                "growth rate 2 % above",
+                rates[1],
+                None,
+                0.0,
+            ),
+            Row(
+                f"instability to {name}, alpha_u = {alpha_u:.4f}",
+                "threshold / formula - 1",
+                abs(measured - 1),
+                1e-5,
+            ),
         ]
     return rows
 
 
-def rows(slow=True):
+def rows():
     """Return every row of this comparison."""
     out = [row for name in DISORDERED for row in disorder(name)]
     out += [row for name in ORDERED for row in unidirectional(name)]

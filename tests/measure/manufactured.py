@@ -8,9 +8,9 @@ from functools import cache
 import jax
 import jax.numpy as jnp
 import numpy as np
-import oracle
 
 import cyclosis as cy
+import oracle
 from cyclosis.dynamics import steppers
 from cyclosis.model.precision import double
 from cyclosis.model.system import system
@@ -93,12 +93,19 @@ def forcing_defect():
             P = solution(t, reference, b)
             slope = solution(t + 1e-30j, reference, b).imag / 1e-30
             with double():
-                forced = np.asarray(jax.jit(lambda t, term=term, grid=grid: term(t, None, None, None, grid))(t))
+                forced = np.asarray(
+                    jax.jit(lambda t, term=term, grid=grid: term(t, None, None, None, grid))(t)
+                )
             exact = slope - oracle.rate(PARAMS, LENGTH, P)
             worst = max(worst, float(np.abs(forced - exact).max() / np.abs(exact).max()))
-    largest = max(np.hypot(*solution(t, REFERENCE, b)).max() for b in (0.0, GEOMETRIC) for t in np.arange(0, 4, 0.1))
+    largest = max(
+        np.hypot(*solution(t, REFERENCE, b)).max() for b in (0.0, GEOMETRIC) for t in np.arange(0, 4, 0.1)
+    )
     law = "manufactured solution"
-    return [Row(law, "forcing against dP*/dt - rate(P*)", worst, 1e-11), Row(law, "max |P*|", float(largest), 1.0)]
+    return [
+        Row(law, "forcing against dP*/dt - rate(P*)", worst, 1e-11),
+        Row(law, "max |P*|", float(largest), 1.0),
+    ]
 
 
 def run(shape, b, reference, t_end=1.0, **settings):
@@ -120,11 +127,15 @@ def spectral(sizes=SIZES):
     """The error falls geometrically with n down to what the time step leaves."""
     errors = [run(shape, GEOMETRIC, REFERENCE, BRIEF, stepper="etdrk4", dt=SHORT)[0] for shape in sizes]
     law = "manufactured solution, all terms on, etdrk4"
-    rows = [Row(law, f"max |P - P*|, {n} x {k}", e) for (n, k), e in zip(sizes[:-1], errors[:-1], strict=True)]
+    rows = [
+        Row(law, f"max |P - P*|, {n} x {k}", e) for (n, k), e in zip(sizes[:-1], errors[:-1], strict=True)
+    ]
     rows.append(Row(law, f"max |P - P*|, {sizes[-1][0]} x {sizes[-1][1]}", errors[-1], 1e-10))
     for (n, _), (k, _), a, b in zip(sizes, sizes[1:], errors, errors[1:], strict=False):
         bound = None if (k, k) == sizes[-1] else 0.5
-        rows.append(Row(law, f"decay of that error per mode, n = {n} to {k}", (b / a) ** (2 / (k - n)), bound))
+        rows.append(
+            Row(law, f"decay of that error per mode, n = {n} to {k}", (b / a) ** (2 / (k - n)), bound)
+        )
     return rows
 
 
@@ -185,6 +196,13 @@ def estimate(steps=(0.1, 0.05, 0.025, 0.0125)):
     return rows
 
 
-def rows(slow=True):
+def rows():
     """Return every row of this comparison."""
-    return [*forcing_defect(), *spectral(), *fixed_steps("rk4"), *fixed_steps("etdrk4"), *adaptive(), *estimate()]
+    return [
+        *forcing_defect(),
+        *spectral(),
+        *fixed_steps("rk4"),
+        *fixed_steps("etdrk4"),
+        *adaptive(),
+        *estimate(),
+    ]

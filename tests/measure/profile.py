@@ -38,7 +38,14 @@ def relaxed(t_end=500.0, dt=0.1):
     state = cy.initial.stripes(GRID)
     state[1] += 0.05
     run = cy.simulate(
-        cy.Parameters(), GRID, state, t_end=t_end, save_at=(t_end,), record_every=20.0, stepper="etdrk4", dt=dt
+        cy.Parameters(),
+        GRID,
+        state,
+        t_end=t_end,
+        save_at=(t_end,),
+        record_every=20.0,
+        stepper="etdrk4",
+        dt=dt,
     )
     assert run.ok, run.message
     return run
@@ -56,7 +63,10 @@ def profile():
         "<F·u>": found["power_input"],
     }
     law = "cyclosis at alpha_p = 1, alpha_u = 0.5, t = 500, 128 x 8"
-    rows = [Row(law, f"{name} - {KNOWN[name]}", abs(value - KNOWN[name]), 1e-8) for name, value in measured.items()]
+    rows = [
+        Row(law, f"{name} - {KNOWN[name]}", abs(value - KNOWN[name]), 1e-8)
+        for name, value in measured.items()
+    ]
     mean = run.records["mean_P"][:, 1]
     fitted = (run.record_times >= 120) & (run.record_times <= 240)
     rate = np.polyfit(run.record_times[fitted], np.log(np.abs(mean[fitted])), 1)[0]
@@ -69,6 +79,6 @@ def profile():
     return rows
 
 
-def rows(slow=True):
+def rows():
     """Return every row of this comparison."""
     return profile()

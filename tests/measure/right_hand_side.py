@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
-import oracle
 
 import cyclosis as cy
+import oracle
 
 from . import Row, band_limited, broadband, furthest
 
@@ -64,7 +64,7 @@ def alias_free(name):
 
 
 def single_terms(state="alias-free"):
-    """Each term alone; on the grid points the same products are formed, so that broadband states agree too."""
+    """Each term alone: the same products are formed at each point, so that broadband states agree too."""
     p, grid, P = case("coefficient fields")
     if state == "broadband":
         P = broadband(3, grid.shape)
@@ -82,21 +82,30 @@ def fused_transport():
     for state, Q, bound in (("alias-free", P, 1e-12), ("broadband", broadband(3, grid.shape), None)):
         fused = cy.rate_of_change(p, grid, Q, terms=["advection", "shear"])
         apart = sum(cy.rate_of_change(p, grid, Q, terms=[name]) for name in ("advection", "shear"))
-        rows.append(Row(f"fused transport, {state}", "against advection + shear", furthest(fused, apart), bound))
+        rows.append(
+            Row(f"fused transport, {state}", "against advection + shear", furthest(fused, apart), bound)
+        )
     return rows
 
 
 def all_terms_broadband():
-    """All terms on independent random numbers, without padding: the oracle multiplies out every product, the
-    package fuses two terms, so that they alias differently. The remedy for either is resolution or padding."""
+    """All terms on independent random numbers, without padding.
+
+    The oracle forms every product as written, the package fuses advection and shear: they alias differently.
+    """
     p, grid, _ = case("coefficient fields")
     P = broadband(3, grid.shape)
     law = f"oracle, broadband, all terms, {grid.n_theta} x {grid.n_z}"
     error = furthest(cy.rate_of_change(p, grid, P), oracle.rate(p, grid.length, P))
     rows = [Row(law, "dP/dt with advection and shear fused", error)]
     apart = [name for name in oracle.TERMS if name != "advection"]
-    sum_apart = cy.rate_of_change(p, grid, P, terms=apart) + cy.rate_of_change(p, grid, P, terms=["advection"])
-    return [*rows, Row(law, "dP/dt with both apart", furthest(sum_apart, oracle.rate(p, grid.length, P)), 1e-12)]
+    sum_apart = cy.rate_of_change(p, grid, P, terms=apart) + cy.rate_of_change(
+        p, grid, P, terms=["advection"]
+    )
+    return [
+        *rows,
+        Row(law, "dP/dt with both apart", furthest(sum_apart, oracle.rate(p, grid.length, P)), 1e-12),
+    ]
 
 
 def force_laws():
@@ -111,7 +120,7 @@ def force_laws():
 
 
 def padded(shape, fields=True):
-    """All terms on a broadband state, products padded in full, against the oracle on a three times finer grid.
+    """All terms on a broadband state, products fully padded, against the oracle on a grid three times finer.
 
     Three times is more than the 5/2 that quartic terms need: equality shows that 5/2 leaves no aliasing.
     """
@@ -131,8 +140,10 @@ def padded(shape, fields=True):
     return rows
 
 
-def rows(slow=True):
+def rows():
     """Return every row of this comparison."""
     out = [row for name in CASES for row in alias_free(name)]
-    out += single_terms() + single_terms("broadband") + fused_transport() + all_terms_broadband() + force_laws()
+    out += (
+        single_terms() + single_terms("broadband") + fused_transport() + all_terms_broadband() + force_laws()
+    )
     return out + padded((24, 16)) + padded((15, 21))

@@ -1,6 +1,7 @@
 """Small disturbances of the uniform states grow as linear theory says, mode by mode."""
 
 import pytest
+
 from measure import check, dispersion
 
 

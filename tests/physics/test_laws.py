@@ -1,32 +1,33 @@
 """Conservation laws and symmetries, for random states and parameters."""
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from measure import furthest, laws
 
 import cyclosis as cy
+import oracle
+from measure import furthest, laws
 
 few = settings(max_examples=12, derandomize=True, deadline=None)
 fewer = settings(max_examples=4, derandomize=True, deadline=None)
 seeds = st.integers(0, 2**32 - 1)
 kinds = st.sampled_from(["smooth", "rough"])
+cubic = st.just(2.0)
 oblique = st.floats(0.2, 1.3)
 axes = st.sampled_from([0, 1])
 
 
 @st.composite
-def cells(draw, angle=oblique, exponent=st.just(2.0), epsilon=st.floats(0.05, 1.0)):
+def cells(draw, angle=oblique, exponent=cubic):
     """Parameters with all terms at work."""
     between = {
         "alpha_p": (0.1, 1.0), "alpha_u": (0.1, 1.0), "d_s": (0.04, 0.1), "d_r": (0.0, 0.2),
-        "kappa": (0.1, 1.0), "mu": (0.01, 1.0),
+        "kappa": (0.1, 1.0), "mu": (0.01, 1.0), "epsilon": (0.05, 1.0),
     }  # fmt: skip
     values = {name: draw(st.floats(*range_)) for name, range_ in between.items()}
     return cy.Parameters(
-        **values, repulsion_angle=draw(angle), zero_theta_flux=draw(st.booleans()), epsilon=draw(epsilon),
+        **values, repulsion_angle=draw(angle), zero_theta_flux=draw(st.booleans()),
         force_exponent=draw(exponent),
     )  # fmt: skip
 
@@ -126,12 +127,12 @@ def test_runs_by_the_default_stepper_commute_with_translations(p, seed):
     assert furthest(second, laws.shifted(first, (5, 3))) < 1e-11
 
 
-@few
+@fewer
 @given(cells(), seeds, st.sampled_from([0.0, 0.05]))
 def test_order_never_exceeds_one(p, seed, d_r):
     """|P| <= 1 is invariant: (I - PP) removes all growth along P where |P| = 1."""
     P = laws.state(seed, largest=1.0)
-    assert laws.overshoot(p.replace(d_r=d_r), P) < 1e-6
+    assert laws.overshoot(p.replace(d_r=d_r), P) < 1e-7
 
 
 @few

@@ -1,6 +1,7 @@
 """A chosen solution with exact forcing, all terms on: convergence in space and order in time."""
 
 import pytest
+
 from measure import check, manufactured
 
 

@@ -1,10 +1,10 @@
 """One right-hand side equals the model's equations, evaluated by an independent program."""
 
-import oracle
 import pytest
-from measure import band_limited, check, right_hand_side
 
 import cyclosis as cy
+import oracle
+from measure import band_limited, check, right_hand_side
 
 
 def test_the_oracle_obeys_the_momentum_balance():
