@@ -13,7 +13,7 @@ ORDER = [
     "model",
     "analysis",
     "dynamics",
-    "provenance",
+    "stability",
     "dataset",
     "figures",
     "traced",
@@ -22,8 +22,8 @@ ORDER = [
     "progress",
     "cli",
 ]
-LAZY = {("dynamics/trajectory.py", "dataset"), ("provenance.py", "dynamics")}
-"""Upward imports that are allowed: `Trajectory.to_dataset`, and a name for the type checker alone."""
+LAZY = {("dynamics/trajectory.py", "dataset")}
+"""The one upward import that is allowed: `Trajectory.to_dataset`."""
 HEAVY = ("jax", "scipy", "xarray", "matplotlib", "h5netcdf", "h5py", "contourpy", "rich.progress")
 
 

@@ -15,7 +15,9 @@ def test_generated_pages_match_the_code():
     generate = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(generate)
     for name, page in generate.PAGES.items():
-        assert (ROOT / "docs" / name).read_text() == page(), f"run python docs/generate.py: {name} is out of date"
+        assert (ROOT / "docs" / name).read_text() == page(), (
+            f"run python docs/generate.py: {name} is out of date"
+        )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

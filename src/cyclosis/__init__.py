@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from .version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from . import stability as stability
     from .analysis import diagnostics as diagnostics
     from .analysis import zones as zones
     from .analysis.diagnostics import diagnose as diagnose
@@ -26,9 +27,13 @@ if TYPE_CHECKING:
     from .analysis.regimes import REGIMES as REGIMES
     from .analysis.regimes import Regime as Regime
     from .analysis.regimes import regime as regime
+    from .dataset import RunWriter as RunWriter
+    from .dataset import load as load
     from .dataset import open_dataset as open_dataset
+    from .dataset import resume_file as resume_file
     from .dataset import write as write
-    from .dynamics.simulate import Snapshot as Snapshot
+    from .dynamics.run import Snapshot as Snapshot
+    from .dynamics.simulate import resume as resume
     from .dynamics.simulate import simulate as simulate
     from .dynamics.trajectory import Status as Status
     from .dynamics.trajectory import Trajectory as Trajectory
@@ -50,7 +55,8 @@ _HOME = {
     "REGIMES": "analysis.regimes",
     "Regime": "analysis.regimes",
     "Scales": "model.scales",
-    "Snapshot": "dynamics.simulate",
+    "RunWriter": "dataset",
+    "Snapshot": "dynamics.run",
     "Status": "dynamics.trajectory",
     "TERMS": "model.filaments",
     "Term": "model.filaments",
@@ -58,9 +64,12 @@ _HOME = {
     "diagnose": "analysis.diagnostics",
     "flow": "model.system",
     "interpolate": "model.grid",
+    "load": "dataset",
     "open_dataset": "dataset",
     "rate_of_change": "model.system",
     "regime": "analysis.regimes",
+    "resume": "dynamics.simulate",
+    "resume_file": "dataset",
     "simulate": "dynamics.simulate",
     "spectra": "analysis.diagnostics",
     "write": "dataset",
@@ -68,6 +77,7 @@ _HOME = {
 _MODULES = {
     "diagnostics": "analysis.diagnostics",
     "initial": "model.initial",
+    "stability": "stability",
     "traced": "traced",
     "zones": "analysis.zones",
 }

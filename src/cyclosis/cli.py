@@ -92,6 +92,7 @@ def run(
     from .progress import RunProgress
 
     dataset.check_writable(out, force)
+    writer = dataset.RunWriter(out, force)
     with RunProgress(ready.params, ready.grid, hidden=quiet) as progress:
         result = simulate(
             ready.params,
@@ -99,12 +100,38 @@ def run(
             ready.state,
             terms=ready.terms,
             progress=progress,
+            checkpoint=writer,
+            provenance={"initial": ready.initial},
             **ready.settings.as_dict(),
         )
-    dataset.write(result, out, force=force)
+        writer.finish(result)
     print(report.summary(result))
-    print(f"{'saved':>18}  {out}")
+    _end(result, out)
+
+
+@app.command()
+def resume(
+    file: FILE,
+    t_end: Annotated[
+        float | None, typer.Option(help="Time to go on to; by default the run's own end.")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress bar.")] = False,
+) -> None:
+    """Continue a run, finished, interrupted or cut off, as if it had never stopped."""
+    from . import dataset, report
+    from .progress import RunProgress
+
+    standing = dataset.load(file, fields=False)
+    with RunProgress(standing.params, standing.grid, hidden=quiet) as progress:
+        result = dataset.resume_file(file, t_end, progress=progress)
+    print(report.summary(result))
+    _end(result, file)
+
+
+def _end(result: Any, file: Path) -> None:
+    print(f"{'saved':>18}  {file}")
     if result.status == "interrupted":
+        print(f"{'to go on':>18}  cyclosis resume {file}")
         raise typer.Exit(130)
     raise typer.Exit(0 if result.ok else 1)
 

@@ -38,6 +38,7 @@ class Setup:
     state: Array
     settings: Settings
     terms: tuple[str, ...] | None
+    initial: dict[str, Any]
 
 
 def read(path: str | Path) -> Tables:
@@ -95,7 +96,9 @@ def setup(tables: Tables) -> Setup:
     terms = run.pop("terms", None)
     grid = CylinderGrid(**tables["grid"])
     params = Parameters(**tables["parameters"])
-    return Setup(params, grid, initial_state(tables["initial"], grid), Settings(**run), terms)
+    given = tables["initial"]
+    initial = {"kind": INITIAL[0].default} | given
+    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial)
 
 
 def initial_state(given: Mapping[str, Any], grid: CylinderGrid) -> Array:

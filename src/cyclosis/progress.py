@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from .analysis.regimes import regime
-from .dynamics.simulate import Snapshot
+from .dynamics.run import Snapshot
 from .model.grid import CylinderGrid
 from .model.parameters import Parameters
 

@@ -61,7 +61,7 @@ def _zones(found: Regime) -> str:
 
 def tree(dataset: xarray.Dataset) -> str:
     """Return a file of a run as a short tree."""
-    run = json.loads(dataset.attrs["run"])
+    run = json.loads(dataset.attrs["outcome"])
     asked = json.loads(dataset.attrs["configuration"])
     sizes = dataset.sizes
     times = dataset["time"].values
@@ -111,7 +111,8 @@ def machine() -> str:
         "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "packages": ", ".join(f"{name} {_version(name)}" for name in _PACKAGES),
         "devices": devices,
-        "threads": f"{cpus} usable of {os.cpu_count()}; XLA_FLAGS = {os.environ.get('XLA_FLAGS') or 'not set'}",
+        "threads": f"{cpus} usable of {os.cpu_count()}",
+        "XLA_FLAGS": os.environ.get("XLA_FLAGS") or "not set",
         "precision": "float64 works" if exact else "float64 DOES NOT WORK: reinstall jax",
         "disk": f"{free:.1f} GiB free in {os.getcwd()}",
     }

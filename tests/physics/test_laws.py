@@ -188,3 +188,12 @@ def test_spectral_tail_is_the_share_of_amplitude_beyond_two_thirds():
 @given(cells(), seeds)
 def test_single_precision_follows_double_precision(p, seed):
     assert laws.precision_defect(p, laws.state(seed)) < 1e-5
+
+
+def test_exact_steady_states_stay_and_do_not_end_a_run():
+    """Total disorder and the uniform ordered state do not change; a run ends early only where asked to."""
+    p, order = laws.parameters(), np.sqrt(1 - 0.05 / 0.7)
+    for P in (np.zeros((2, *laws.GRID.shape)), cy.initial.unidirectional(laws.GRID, order)):
+        run = cy.simulate(p, laws.GRID, P, **laws.RUN)
+        assert (run.status, run.t_final) == ("completed", laws.RUN["t_end"])
+        np.testing.assert_allclose(run.final_state, P, atol=1e-14)

@@ -110,7 +110,8 @@ def _one_step(
     system: System, control: Control, now: Progress, target: Any, linear: Any, c: Tableau, adaptive: bool
 ) -> Progress:
     result = step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
-    bounded = result.peak <= DIVERGED**2  # False for NaN as well
+    rate = _relative_rate(linear, result.spectrum, result.nonlinear)
+    bounded = (result.peak <= DIVERGED**2) & jnp.isfinite(rate)  # False for NaN as well
     if adaptive:
         error = _rms(result.error) / _tolerance(control, now, _rms(result.spectrum))
         good = bounded & (error <= 1.0)
@@ -146,8 +147,8 @@ def _one_step(
         evaluations=now.evaluations + 4,
         accepted=now.accepted + good,
         rejected=now.rejected + ~good,
-        peak=pick(jnp.sqrt(result.peak).astype(jnp.float64), now.peak),
-        rate=pick(_relative_rate(linear, result.spectrum, result.nonlinear), now.rate),
+        peak=pick(jnp.maximum(jnp.sqrt(result.peak).astype(jnp.float64), now.peak), now.peak),
+        rate=pick(rate, now.rate),
         failed=failed & ~good,
     )
 

@@ -14,10 +14,15 @@ MEMORY_LIMIT = 256 * 2**20
 
 
 class Frames:
-    """A growing sequence of arrays of one shape and type, read back one by one."""
+    """A growing sequence of arrays of one shape and type, read back one by one.
 
-    def __init__(self, shape: tuple[int, ...], dtype: npt.DTypeLike, limit: int = MEMORY_LIMIT) -> None:
-        self.shape, self.dtype = shape, np.dtype(dtype)
+    The first `elsewhere` frames are counted but not held: they stand in a file that the run streams to.
+    """
+
+    def __init__(
+        self, shape: tuple[int, ...], dtype: npt.DTypeLike, limit: int = MEMORY_LIMIT, elsewhere: int = 0
+    ) -> None:
+        self.shape, self.dtype, self.elsewhere = shape, np.dtype(dtype), elsewhere
         self._bytes = int(np.prod(shape)) * self.dtype.itemsize
         self._limit = limit
         self._memory: list[npt.NDArray[Any]] = []
@@ -39,17 +44,35 @@ class Frames:
             self._file.write(kept.tobytes())
         self._count += 1
 
+    def copy(self) -> Frames:
+        """Return a sequence that starts with these frames and grows apart from them."""
+        other = Frames(self.shape, self.dtype, self._limit, self.elsewhere)
+        for index in range(self.elsewhere, len(self)):
+            other.append(self[index])
+        return other
+
+    def release(self) -> None:
+        """Forget the frames held so far: they have been written elsewhere."""
+        self.elsewhere += self._count
+        self._count = 0
+        self._memory.clear()
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
     def __len__(self) -> int:
-        return self._count
+        return self.elsewhere + self._count
 
     def __getitem__(self, index: int) -> npt.NDArray[Any]:
-        if not -self._count <= index < self._count:
-            raise IndexError(f"frame {index} of {self._count}")
-        index %= self._count
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"frame {index} of {len(self)}")
+        index = index % len(self) - self.elsewhere
+        if index < 0:
+            raise IndexError(f"frame {index + self.elsewhere} stands in the file that the run was written to")
         if self._file is None:
             return self._memory[index]
         self._file.seek(index * self._bytes)
         return np.frombuffer(self._file.read(self._bytes), self.dtype).reshape(self.shape)
 
     def __iter__(self) -> Iterator[npt.NDArray[Any]]:
-        return (self[index] for index in range(self._count))
+        return (self[index] for index in range(len(self)))

@@ -1,69 +1,27 @@
-"""One run: from an initial state to a trajectory with a status."""
+"""One run: from an initial state to a trajectory with a status, and on from there."""
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+import dataclasses
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-import jax
 import numpy as np
 import numpy.typing as npt
 
-from ..analysis.diagnostics import TAIL_FRACTION, measure
 from ..model.errors import InputError
 from ..model.filaments import TermLike, select_terms
-from ..model.grid import Array, CylinderGrid
+from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 from ..model.precision import double
-from ..model.system import System, system
-from .advance import DIVERGED, Control, Progress, advance, start
-from .frames import Frames
+from ..model.system import system
+from .advance import DIVERGED
+from .run import Run, Snapshot
 from .settings import Settings
-from .steppers import RK4_STABILITY
-from .trajectory import Effort, Status, Trajectory
+from .trajectory import Status, Trajectory
 
-UNDERRESOLVED_TAIL = 1e-2
-"""Spectral tail (see the diagnostics) above which a run is marked underresolved."""
-NOISE_DECAY = 1e-8
-"""The tail is judged once diffusion alone has damped the initial noise in it by this factor."""
-CHUNK_SECONDS = 0.2
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """What a progress callback sees: the time reached, the end, the state, and the seconds spent."""
-
-    t: float
-    t_end: float
-    state: Array
-    wall_time: float
-
-
-class _Watch:
-    """Collects the signs of an under-resolved run: a heavy spectral tail or an overshoot of |P| = 1."""
-
-    def __init__(self, cell: System, settings: Settings) -> None:
-        k = TAIL_FRACTION * min(float(np.max(np.real(cell.space.K))), float(np.max(np.imag(cell.space.K))))
-        damping = -float(np.max(np.asarray(_linear(cell.values, k))))
-        self.patience = -np.log(NOISE_DECAY) / damping if damping > 0 else 0.0
-        # Steps of finite accuracy may overshoot by about their tolerance; more is the grid's doing.
-        self.overshoot = 1.0 + 1e-6 + (settings.rtol if settings.stepper == "adaptive" else 0.0)
-        self.time: float | None = None
-        self.sign = ""
-
-    def look(self, t: float, tail: float, peak: float) -> None:
-        if self.time is not None:
-            return
-        if t >= self.patience and tail > UNDERRESOLVED_TAIL:
-            self.time, self.sign = t, f"the spectral tail is {tail:.1e} (limit {UNDERRESOLVED_TAIL:g})"
-        elif peak > self.overshoot:
-            self.time, self.sign = t, f"|P| overshoots 1 by {peak - 1:.1e}"
-
-
-def _linear(values: Any, k: float) -> Any:
-    return -values.d_s * k**2
+CHECKPOINT_SECONDS = 30.0
 
 
 def simulate(
@@ -75,6 +33,9 @@ def simulate(
     *,
     terms: Iterable[TermLike] | None = None,
     progress: Callable[[Snapshot], None] | None = None,
+    checkpoint: Callable[[Trajectory], None] | None = None,
+    checkpoint_seconds: float = CHECKPOINT_SECONDS,
+    provenance: Mapping[str, Any] | None = None,
     **settings: Any,
 ) -> Trajectory:
     """Integrate the filament equation from `state` at t = 0 to `t_end`.
@@ -92,7 +53,9 @@ def simulate(
     * steady_rate: stop once <|dP/dt|²>^½ / <|P|²>^½ falls below it.
 
     `terms` selects terms by name and may hold the user's own, `term(t, P, u, params, grid)`. `progress`
-    is called a few times a second. Ctrl-C ends the run with status "interrupted". Raises `InputError`
+    is called a few times a second. `checkpoint` gets the run so far at the start and then every
+    `checkpoint_seconds`, which changes no step; a file writer for it is `cyclosis.RunWriter`.
+    `provenance` is kept with the run. Ctrl-C ends the run with status "interrupted". Raises `InputError`
     for bad input; everything that happens later is a status of the `Trajectory`.
 
     Source: Woodhouse & Goldstein 2013; steppers see `cyclosis.dynamics.steppers`.
@@ -109,8 +72,42 @@ def simulate(
             "at most 1",
             "smooth the state, or use a finer grid",
         )
+    origin = dict(provenance or {}) | {"initial_sha256": hashlib.sha256(P.tobytes()).hexdigest()}
     with double():
-        return _Run(params, grid, how, cell, progress).go(spectrum)
+        run = Run(params, grid, how, cell, origin, progress, checkpoint, checkpoint_seconds)
+        return run.go(run.begin(spectrum))
+
+
+def resume(
+    run: Trajectory,
+    t_end: float | None = None,
+    *,
+    terms: Iterable[TermLike] | None = None,
+    progress: Callable[[Snapshot], None] | None = None,
+    checkpoint: Callable[[Trajectory], None] | None = None,
+    checkpoint_seconds: float = CHECKPOINT_SECONDS,
+) -> Trajectory:
+    """Continue a run to `t_end` (default: where it was to end), bitwise as if it had never stopped.
+
+    Bitwise, that is, if the run stopped at one of the times that are saved on the way to the new end,
+    or was interrupted. Returns the whole trajectory. `terms` are needed again if the user wrote some.
+    Raises `InputError` for a run that has diverged or already reached `t_end`.
+    """
+    end = run.settings.t_end if t_end is None else t_end
+    how = dataclasses.replace(run.settings, t_end=end)
+    if run.status in (Status.DIVERGED, Status.STEADY):
+        remedy = "start a new run from one of its frames"
+        raise InputError("status", str(run.status), "that of a run that can go on", remedy)
+    finished = run.status is not Status.INTERRUPTED
+    if (finished and end <= run.t_final) or end < run.t_final:
+        raise InputError("t_end", end, f"later than the time reached, {run.t_final:g}", "raise it")
+    chosen = run.terms if terms is None else select_terms(terms)
+    cell = system(run.params, run.grid, chosen, how.dealias, how.precision, split=how.stepper != "rk4")
+    with double():
+        onward = Run(
+            run.params, run.grid, how, cell, run.provenance, progress, checkpoint, checkpoint_seconds
+        )
+        return onward.go(onward.restore(run))
 
 
 def _known(settings: dict[str, Any]) -> dict[str, Any]:
@@ -118,145 +115,3 @@ def _known(settings: dict[str, Any]) -> dict[str, Any]:
         if name not in Settings.names():
             raise InputError("setting", name, "one of " + ", ".join(Settings.names()), "check the spelling")
     return settings
-
-
-class _Run:
-    """The state of one call of `simulate`."""
-
-    def __init__(
-        self,
-        params: Parameters,
-        grid: CylinderGrid,
-        how: Settings,
-        cell: System,
-        progress: Callable[[Snapshot], None] | None,
-    ) -> None:
-        self.params, self.grid, self.how, self.cell, self.report = params, grid, how, cell, progress
-        self.device_cell = jax.device_put(cell)
-        self.began = clock.perf_counter()
-        dtype = np.float32 if how.precision == "float32" else np.float64
-        self.frames, self.times = Frames((2, *grid.shape), dtype), list[float]()
-        self.record_times, self.records = list[float](), list[dict[str, Any]]()
-        self.watch = _Watch(cell, how)
-        self.control = Control(
-            *(
-                np.float64(x)
-                for x in (how.rtol, how.atol, how.dt or _default_dt(how, cell), how.steady_rate or 0.0)
-            )
-        )
-
-    def go(self, spectrum: npt.NDArray[Any]) -> Trajectory:
-        """Integrate to the end and return the trajectory."""
-        now = start(self.device_cell, spectrum, np.float64(0.0))
-        save = set(self.how.save_times().tolist())
-        status = Status.COMPLETED
-        try:
-            for target in self._targets():
-                now = self._reach(now, target)
-                t = float(now.t)
-                if t < target:
-                    status = Status.DIVERGED if bool(now.failed) else Status.STEADY
-                    self._keep(now, save_field=True)
-                    break
-                self._keep(now, save_field=target in save)
-        except _Interrupted as stop:
-            status, now = Status.INTERRUPTED, stop.progress
-            if not self.record_times or float(now.t) > self.record_times[-1]:
-                self._keep(now, save_field=True)
-        return self._trajectory(now, status)
-
-    def _targets(self) -> list[float]:
-        targets = self.how.record_times().tolist()
-        return targets if targets[-1] == self.how.t_end else [*targets, self.how.t_end]
-
-    def _reach(self, now: Progress, target: float) -> Progress:
-        adaptive, steps = self.how.stepper == "adaptive", 8
-        while float(now.t) < target:
-            began = clock.perf_counter()
-            try:
-                now = advance(
-                    self.device_cell, self.control, now, np.float64(target), np.int64(steps), adaptive
-                )
-                now.t.block_until_ready()
-                if self.report is not None:
-                    self.report(Snapshot(float(now.t), self.how.t_end, self._state(now), self._wall()))
-            except KeyboardInterrupt:
-                raise _Interrupted(now) from None
-            if bool(now.failed) or float(now.rate) <= float(self.control.steady_rate):
-                break
-            spent = clock.perf_counter() - began
-            steps = int(np.clip(steps * CHUNK_SECONDS / max(spent, 1e-9), 1, 4096))
-        return now
-
-    def _keep(self, now: Progress, save_field: bool) -> None:
-        t = float(now.t)
-        record = {name: np.asarray(v) for name, v in measure(self.device_cell, now.spectrum, now.t).items()}
-        self.record_times.append(t)
-        self.records.append(record)
-        self.watch.look(t, float(record["spectral_tail"]), max(float(now.peak), float(record["max_P"])))
-        if save_field:
-            self.times.append(t)
-            self.frames.append(self._state(now))
-
-    def _state(self, now: Progress) -> Array:
-        return self.cell.state(np.asarray(now.spectrum))
-
-    def _wall(self) -> float:
-        return clock.perf_counter() - self.began
-
-    def _trajectory(self, now: Progress, status: Status) -> Trajectory:
-        if status is Status.COMPLETED and self.watch.time is not None:
-            status = Status.UNDERRESOLVED
-        t = float(now.t)
-        when = self.watch.time if status is Status.UNDERRESOLVED and self.watch.time is not None else t
-        return Trajectory(
-            params=self.params,
-            grid=self.grid,
-            settings=self.how,
-            terms=self.cell.terms,
-            times=np.array(self.times),
-            frames=self.frames,
-            record_times=np.array(self.record_times),
-            records={name: np.stack([r[name] for r in self.records]) for name in self.records[0]}
-            if self.records
-            else {},
-            status=status,
-            status_time=when,
-            message=_message(status, when, self.how, self.watch.sign),
-            t_final=t,
-            final_state=self._state(now),
-            progress={name: np.asarray(value) for name, value in now._asdict().items()},
-            effort=Effort(int(now.evaluations), int(now.accepted), int(now.rejected), self._wall()),
-        )
-
-
-class _Interrupted(Exception):
-    """Carries the last good progress out of an interrupted run."""
-
-    def __init__(self, progress: Progress) -> None:
-        self.progress = progress
-
-
-def _default_dt(how: Settings, cell: System) -> float:
-    if how.stepper != "rk4":
-        return 0.1
-    stiffest = float(cell.values.d_s) * float(np.max(np.asarray(cell.space.k2))) + float(cell.values.d_r)
-    # The local relaxation, about -2 alpha_p - alpha_u, adds to the stiffness of diffusion.
-    local = 2 * float(np.max(cell.values.alpha_p)) + float(np.max(cell.values.alpha_u))
-    return min(0.1, 0.9 * RK4_STABILITY / (stiffest + local + 1e-12))
-
-
-def _message(status: Status, t: float, how: Settings, sign: str) -> str:
-    if status is Status.COMPLETED:
-        return f"Completed: reached t = {t:g}."
-    if status is Status.STEADY:
-        return f"Steady: at t = {t:g} the relative rate of change fell below {how.steady_rate:g}."
-    if status is Status.INTERRUPTED:
-        return f"Interrupted at t = {t:g}: what was saved until then is kept; start again to go on."
-    if status is Status.UNDERRESOLVED:
-        return f"Underresolved from t = {t:g}: {sign}; use more grid points, or dealias."
-    cure = "use a smaller dt or the adaptive stepper" if how.stepper != "adaptive" else "use more grid points"
-    return (
-        f"Diverged after t = {t:g}: |P| would pass {DIVERGED:g} or no step is small enough; "
-        f"the last good state is kept; {cure}, or lower epsilon."
-    )

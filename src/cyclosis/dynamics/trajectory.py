@@ -13,6 +13,7 @@ from ..model.filaments import Term
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from .frames import Frames
+from .restart import Restart
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -38,8 +39,8 @@ _MEANING = {
     Status.COMPLETED: "the run reached t_end",
     Status.STEADY: "the state stopped changing, at the rate asked for, before t_end",
     Status.DIVERGED: "|P| left its bound of 1 or no step was small enough; the last good state is kept",
-    Status.UNDERRESOLVED: "the run reached t_end but the grid was too coarse for what happened on it",
-    Status.INTERRUPTED: "the run was stopped from outside before t_end",
+    Status.UNDERRESOLVED: "the run reached its end but the grid was too coarse for what happened on it",
+    Status.INTERRUPTED: "the run was stopped before t_end and can be resumed",
 }
 
 
@@ -61,7 +62,8 @@ class Trajectory:
     `record_times` (k,) and `records` (arrays (k, ...) by name) the recorded quantities of
     `cyclosis.diagnostics.QUANTITIES`. `status` is a `Status`, reached at `status_time`, with a
     `message` that says what to do; `t_final` and `final_state` are where the run stopped, and
-    `progress` is all that is needed to go on. Everything is dimensionless.
+    `restart` is all that is needed to go on. `provenance` says where the initial state came from.
+    Everything is dimensionless.
     """
 
     params: Parameters
@@ -77,8 +79,9 @@ class Trajectory:
     message: str
     t_final: float
     final_state: Array
-    progress: dict[str, npt.NDArray[Any]]
+    restart: Restart
     effort: Effort
+    provenance: dict[str, Any]
 
     @property
     def ok(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,12 @@ QUIET = "#a9a4b0"
 """Guides that should be found but not noticed."""
 PAPER = "#f3f1f5"
 """Cut ends of the cell."""
+UP = "#74399f"
+"""Lines and points of upward streaming."""
+DOWN = "#459951"
+"""Lines and points of downward streaming."""
+SHADE = "#d9d4e0"
+"""Areas."""
 
 WIDTH = 180.0
 """Width of a two-column figure in millimetres."""
@@ -73,6 +80,28 @@ def polarity_rgb(P_z: npt.ArrayLike) -> Array:
     values = np.clip(np.asarray(P_z, dtype=np.float64), -1.0, 1.0)
     colours: Array = np.asarray(POLARITY(0.5 * (values + 1.0)), dtype=np.float64)
     return colours[..., :3]
+
+
+_MATHTEXT = {
+    "<": r"\langle ",
+    ">": r"\rangle ",
+    "·": r"\cdot ",
+    "²": "^2",
+    "^½": "^{1/2}",
+    "∇": r"\nabla ",
+    "μ": r"\mu ",
+    "Π₀": r"\Pi_0",
+    "max": r"\max ",
+    "P": r"\mathbf{P}",
+    "u": r"\mathbf{u}",
+    "F": r"\mathbf{F}",
+}
+
+
+def mathtext(symbol: str) -> str:
+    """Return a symbol of `cyclosis.diagnostics.QUANTITIES`, such as "<|u|²>^½", set as mathematics."""
+    pattern = "|".join(map(re.escape, sorted(_MATHTEXT, key=len, reverse=True)))
+    return "$" + re.sub(pattern, lambda found: _MATHTEXT[found.group()], symbol) + "$"
 
 
 def blank(width: float, height: float) -> Figure:

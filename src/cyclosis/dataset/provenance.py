@@ -6,34 +6,35 @@ import hashlib
 import json
 import platform
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import jax
 import numpy as np
 
-from .version import __version__
-
-if TYPE_CHECKING:
-    from .dynamics.trajectory import Trajectory
+from ..dynamics.trajectory import Trajectory
+from ..version import __version__
 
 SCHEMA = 1
+"""Version of the files' layout; a file of another version is refused, never guessed at."""
+PASSING = ("created", "wall_time_seconds", "digest")
+"""Attributes that differ between two equal runs."""
 
 
 def configuration(run: Trajectory) -> dict[str, Any]:
     """Return what was asked for, as the tables of a configuration file (fields are named, not listed)."""
-    return {
+    asked = {
         "parameters": {n: "field" if isinstance(v, np.ndarray) else v for n, v in run.params.items()},
         "grid": {"n_theta": run.grid.n_theta, "n_z": run.grid.n_z, "length": run.grid.length},
         "run": {k: v for k, v in run.settings.as_dict().items() if v is not None}
         | {"terms": [term.name for term in run.terms]},
     }
+    given = run.provenance.get("initial")
+    return asked | ({"initial": given} if given is not None else {})
 
 
-def attributes(run: Trajectory) -> dict[str, Any]:
-    """Return the global attributes of a dataset of this run."""
-    import jax
-
-    asked = json.dumps(configuration(run), sort_keys=True)
-    outcome = {
+def outcome(run: Trajectory) -> dict[str, Any]:
+    """Return how the run ended."""
+    return {
         "status": str(run.status),
         "status_time": run.status_time,
         "message": run.message,
@@ -41,6 +42,19 @@ def attributes(run: Trajectory) -> dict[str, Any]:
         "evaluations": run.effort.evaluations,
         "accepted": run.effort.accepted,
         "rejected": run.effort.rejected,
+        "sign": run.restart.sign,
+        "sign_time": run.restart.sign_time,
+    }
+
+
+def attributes(run: Trajectory) -> dict[str, Any]:
+    """Return the global attributes of a dataset of this run."""
+    asked = json.dumps(configuration(run), sort_keys=True)
+    versions = {
+        "cyclosis": __version__,
+        "jax": jax.__version__,
+        "numpy": np.__version__,
+        "python": platform.python_version(),
     }
     return {
         "Conventions": "CF-1.11",
@@ -51,16 +65,11 @@ def attributes(run: Trajectory) -> dict[str, Any]:
         "length": run.grid.length,
         "configuration": asked,
         "configuration_sha256": hashlib.sha256(asked.encode()).hexdigest(),
-        "run": json.dumps(outcome, sort_keys=True),
+        "initial_sha256": run.provenance.get("initial_sha256", ""),
+        "outcome": json.dumps(outcome(run), sort_keys=True),
         "wall_time_seconds": run.effort.wall_time,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "versions": json.dumps(
-            {
-                "cyclosis": __version__,
-                "jax": jax.__version__,
-                "numpy": np.__version__,
-                "python": platform.python_version(),
-            }
-        ),
+        "versions": json.dumps(versions),
+        "precision": run.settings.precision,
         "device": jax.devices()[0].device_kind,
     }

@@ -1,0 +1,181 @@
+"""Trajectory <-> xarray <-> file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import h5netcdf
+import numpy as np
+import xarray
+
+from ..dynamics.advance import Progress
+from ..dynamics.frames import Frames
+from ..dynamics.restart import Restart
+from ..dynamics.settings import Settings
+from ..dynamics.trajectory import Effort, Status, Trajectory
+from ..model.definitions import TERM_NAMES
+from ..model.errors import InputError
+from ..model.filaments import TermLike, select_terms
+from ..model.grid import CylinderGrid
+from ..model.parameters import Parameters
+from . import unfinished
+from .contents import COORDINATES, FIELD_DIMS, FIELDS, ZONE_VARIABLES, Contents, described, of_trajectory
+from .netcdf import DAMAGED, check, damaged, joined, write_contents
+
+
+def to_dataset(run: Trajectory) -> xarray.Dataset:
+    """Return a trajectory as an `xarray.Dataset` in memory, as a file of it would be read."""
+    return _dataset(of_trajectory(run), run.grid.shape)
+
+
+def write(run: Trajectory, path: str | os.PathLike[str], force: bool = False) -> Path:
+    """Write a trajectory to a NetCDF file, frame by frame, and return its path.
+
+    The file appears whole or not at all: it is written under a temporary name beside its place, synced
+    and renamed. Raises `InputError` if `path` exists and `force` is not given, or cannot be written.
+    """
+    target = Path(path)
+    check_writable(target, force)
+    write_contents(of_trajectory(run), target)
+    return target
+
+
+def check_writable(target: Path, force: bool) -> None:
+    """Raise `InputError` if a file is in the way or its folder is missing."""
+    if target.is_dir():
+        raise InputError("out", str(target), "a file name", "add a name to the folder")
+    if target.exists() and not force:
+        raise InputError("out", str(target), "a new file", "add --force (force=True) to overwrite it")
+    if not target.parent.is_dir():
+        raise InputError("out", str(target), "in a folder that exists", f"create {target.parent} first")
+
+
+def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
+    """Open a file of a run; fields load lazily, and are verified as they load.
+
+    An unfinished run is opened as far as it was saved. Raises `InputError` for a file that is none, of
+    another schema, truncated or altered.
+    """
+    place = Path(path)
+    parts = unfinished.parts(place)
+    if parts != [place]:
+        contents = joined(parts)
+        sizes = contents.coordinates
+        return _dataset(contents, (sizes["theta"].size, sizes["z"].size))
+    try:
+        with h5netcdf.File(place, "r") as file:
+            check(file, place)
+        dataset = xarray.open_dataset(place, engine="h5netcdf", decode_times=False)
+    except DAMAGED as error:
+        raise damaged(place, error) from error
+    return dataset.drop_attrs(deep=False).assign_attrs(_public(dataset.attrs))
+
+
+def load(
+    path: str | os.PathLike[str], terms: Iterable[TermLike] | None = None, fields: bool = True
+) -> Trajectory:
+    """Return the `Trajectory` stored in a file, ready for `resume`.
+
+    `terms` must be given again if the user wrote some. Without `fields` the frames stay in the file.
+    Raises `InputError` for files that `open_dataset` refuses.
+    """
+    place = Path(path)
+    contents = joined(unfinished.parts(place), fields)
+    try:
+        return _trajectory(contents, place, terms, fields)
+    except DAMAGED as error:
+        raise damaged(place, error) from error
+
+
+def _dataset(contents: Contents, shape: tuple[int, int]) -> xarray.Dataset:
+    data: dict[str, Any] = {n: (v.dims, v.values, v.attributes) for n, v in contents.variables.items()}
+    frames = list(contents.frames)
+    for name, meaning in FIELDS.items():
+        stacked = np.array([frame[name] for frame in frames], dtype=contents.dtype).reshape(-1, 2, *shape)
+        data[name] = (FIELD_DIMS, stacked, described(meaning))
+    slots = len(contents.coordinates["zone"])
+    for name, (dims, meaning) in ZONE_VARIABLES.items():
+        kind = np.int64 if name == "zone_count" else np.float64
+        values = np.array([frame[name] for frame in frames], dtype=kind)
+        data[name] = (("time", *dims), values.reshape(-1, *([slots] if dims else [])), described(meaning))
+    coordinates = {n: ((n,), v, described(COORDINATES[n])) for n, v in contents.coordinates.items()}
+    return xarray.Dataset(data, coordinates, _public(contents.attributes))
+
+
+def _public(attributes: dict[Any, Any]) -> dict[str, Any]:
+    hidden = ("digest", *unfinished.MARKS)
+    return {key: value for key, value in attributes.items() if key not in hidden}
+
+
+def _trajectory(
+    contents: Contents, place: Path, terms: Iterable[TermLike] | None, fields: bool
+) -> Trajectory:
+    asked = json.loads(contents.attributes["configuration"])
+    outcome = json.loads(contents.attributes["outcome"])
+    values: dict[str, Any] = {
+        n: contents.variables[n].values if v == "field" else v for n, v in asked["parameters"].items()
+    }
+    grid = CylinderGrid(**asked["grid"])
+    settings = Settings(**{k: v for k, v in asked["run"].items() if k != "terms"})
+    frames = Frames(
+        (2, *grid.shape), contents.dtype, elsewhere=0 if fields else len(contents.coordinates["time"])
+    )
+    if fields:
+        for frame in contents.frames:
+            frames.append(frame["P"])
+    wall = float(contents.attributes["wall_time_seconds"])
+    restart = Restart(_progress(contents), outcome["sign_time"], outcome["sign"], wall)
+    records = {n: v.values for n, v in contents.variables.items() if v.dims[0] in ("time", "record_time")}
+    times = contents.coordinates["time"]
+    origin = {"initial_sha256": contents.attributes["initial_sha256"]}
+    if "initial" in asked:
+        origin["initial"] = asked["initial"]
+    spectrum = np.fft.ifft2(restart.progress["spectrum"].astype(np.complex128))
+    return Trajectory(
+        params=Parameters(**values),
+        grid=grid,
+        settings=settings,
+        terms=_terms(asked["run"]["terms"], terms, place),
+        times=times,
+        frames=frames,
+        record_times=contents.coordinates.get("record_time", times),
+        records=records,
+        status=Status(outcome["status"]),
+        status_time=outcome["status_time"],
+        message=outcome["message"],
+        t_final=outcome["t_final"],
+        final_state=np.stack([spectrum.real, spectrum.imag]),
+        restart=restart,
+        effort=Effort(outcome["evaluations"], outcome["accepted"], outcome["rejected"], wall),
+        provenance=origin,
+    )
+
+
+def _progress(contents: Contents) -> dict[str, Any]:
+    stored = contents.restart
+    out = {name: stored[name] for name in Progress._fields}
+    for name in ("spectrum", "nonlinear"):
+        kind = np.complex64 if contents.dtype == np.float32 else np.complex128
+        out[name] = (out[name][0] + 1j * out[name][1]).astype(kind)
+    out["failed"] = out["failed"].astype(bool)
+    return out
+
+
+def _terms(names: list[str], given: Iterable[TermLike] | None, place: Path) -> Any:
+    if given is None:
+        unknown = [name for name in names if name not in TERM_NAMES]
+        if unknown:
+            remedy = f"resume it in Python with terms=[..., {unknown[0]}]"
+            raise InputError("terms of " + str(place), unknown[0], "one that the package knows", remedy)
+        return select_terms(names)
+    chosen = select_terms(given)
+    if [term.name for term in chosen] != names:
+        found = [term.name for term in chosen]
+        raise InputError(
+            "terms", found, "those of the run: " + ", ".join(names), "give the same, in this order"
+        )
+    return chosen

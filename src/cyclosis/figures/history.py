@@ -1,0 +1,179 @@
+"""How a run went: order, speed, stripes and power over time, and its last profile against theory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+
+from ..analysis.diagnostics import QUANTITIES
+from ..model.errors import InputError, number
+from ..model.grid import Array
+from .frames import grid_of
+from .style import DOWN, INK, QUIET, SHADE, TYPE, UP, WIDTH, blank, mathtext, place
+from .theory import draw_profiles
+
+# Places in millimetres.
+_LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
+_TICK_ROOM = 0.14
+"""Least distance between the ticks of time, as a fraction of the axis."""
+_SYMBOLS = {item.name: mathtext(item.symbol) for item in QUANTITIES} | {
+    "mean": r"$|\langle\mathbf{P}\rangle|$"
+}
+_NEEDED = (
+    "order",
+    "mean_P",
+    "peak_speed",
+    "rms_speed",
+    "power_input",
+    "viscous_dissipation",
+    "friction_dissipation",
+    "zone_angle",
+    "stripe_width",
+)
+
+
+def history(dataset: Any, width: float = WIDTH) -> Figure:
+    """Return the figure of a run over time: order, speeds, stripe widths, power; and its last profile.
+
+    `dataset` is a run's `xarray.Dataset`. Time runs on a square-root scale, because cyclosis forms early
+    and settles late. The power that goes in is a line over the two dissipations, stacked: it lies on
+    their sum. At the right the axial means of P_z and u_z of the last frame are points; if they are two
+    stripes, lines are the steady state of `cyclosis.stability`, and their largest difference is stated.
+    `width` is in millimetres; all quantities are dimensionless. Raises `InputError` for a dataset
+    without fields or recorded quantities, or of a single time.
+    """
+    grid_of(dataset)
+    for name in _NEEDED:
+        if name not in dataset:
+            rule = f"with the recorded quantity {name}, and others"
+            raise InputError("the dataset's variables", list(dataset.data_vars), rule, "use a whole run")
+    if dataset.sizes["time"] < 2:
+        raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
+    width = number("width", width, 120.0, 1000.0, "choose a width in millimetres")
+    with matplotlib.rc_context(TYPE | {"font.size": 9.0, "axes.labelsize": 9.0, "xtick.labelsize": 8.5}):
+        return _drawn(dataset, width)
+
+
+def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
+    across = (width - _LEFT - _RIGHT - 2 * _GAP) / 3
+    figure = blank(width, _BELOW + 2 * (_HEIGHT + _ABOVE))
+
+    def panel(column: int, row: int) -> Any:
+        left = _LEFT + column * (across + _GAP)
+        return place(figure, left, _BELOW + (1 - row) * (_HEIGHT + _ABOVE), across, _HEIGHT)
+
+    axes = [[panel(column, row) for row in (0, 1)] for column in (0, 1, 2)]
+    (order, speed), (widths, power), profiles = axes
+    _order(order, dataset)
+    _speed(speed, dataset)
+    _widths(widths, dataset)
+    _power(power, dataset)
+    draw_profiles((profiles[0], profiles[1]), dataset)
+    for ax in (order, speed, widths, power):
+        _time_axis(ax, dataset)
+        ax.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.03, 0.97),
+            ncols=3,
+            frameon=False,
+            fontsize=9.0,
+            handlelength=1.2,
+            handletextpad=0.4,
+            columnspacing=1.0,
+            borderpad=0.2,
+        )
+    for upper, lower in axes:
+        upper.tick_params(labelbottom=False)
+        for ax in (upper, lower):
+            ax.spines[["top", "right"]].set_visible(False)
+            ax.yaxis.set_label_coords(-0.2, 0.5)
+    for lower in (speed, power):
+        lower.set_xlabel("$t$", labelpad=1.0)
+    profiles[1].set_xlabel("$θ$", labelpad=1.0)
+    return figure
+
+
+def _series(dataset: xarray.Dataset, name: str) -> tuple[Array, Array]:
+    """Return the times and values of a recorded quantity, on whichever time axis it lies."""
+    values = dataset[name]
+    return values[values.dims[0]].values, values.values
+
+
+def _order(ax: Any, dataset: xarray.Dataset) -> None:
+    ax.plot(*_series(dataset, "order"), color=INK, linewidth=1.2, label=_SYMBOLS["order"])
+    times, mean = _series(dataset, "mean_P")
+    ax.plot(
+        times, np.hypot(*mean.T), color=INK, linewidth=1.0, linestyle=(0, (3, 1.5)), label=_SYMBOLS["mean"]
+    )
+    ax.set(ylim=(0, 1.0), ylabel="order")
+
+
+def _speed(ax: Any, dataset: xarray.Dataset) -> None:
+    for name, style in (("peak_speed", "-"), ("rms_speed", (0, (3, 1.5)))):
+        ax.plot(*_series(dataset, name), color=INK, linewidth=1.1, linestyle=style, label=_SYMBOLS[name])
+    ax.set_ylim(bottom=0)
+    ax.set_ylabel("speed")
+
+
+def _widths(ax: Any, dataset: xarray.Dataset) -> None:
+    """Draw every stripe's width as a point, coloured by the direction of the filaments in it."""
+    times, angles, widths = (dataset[name].values for name in ("time", "zone_angle", "stripe_width"))
+    theta = dataset["theta"].values
+    middle = angles + np.pi * widths
+    up = np.zeros(widths.shape, dtype=bool)
+    for index in range(times.size):
+        profile = dataset["P"].isel(time=index, component=1).values.mean(axis=1)
+        up[index] = np.interp(middle[index], theta, profile, period=2 * np.pi) > 0
+    when = np.broadcast_to(times[:, None], widths.shape)
+    for chosen, colour, label in ((up, UP, "up"), (~up, DOWN, "down")):
+        shown = chosen & np.isfinite(widths)
+        ax.plot(when[shown], widths[shown], ".", markersize=3.2, markeredgewidth=0, color=colour, label=label)
+    ax.set_ylim(0, 1.0)
+    ax.set_ylabel("stripe width / 2π")
+
+
+def _power(ax: Any, dataset: xarray.Dataset) -> None:
+    times, total = _series(dataset, "power_input")
+    friction, viscous = (_series(dataset, f"{name}_dissipation")[1] for name in ("friction", "viscous"))
+    ax.plot(times, total, color=INK, linewidth=1.2, label=_SYMBOLS["power_input"])
+    ax.fill_between(
+        times,
+        friction,
+        friction + viscous,
+        color=QUIET,
+        linewidth=0,
+        label=_SYMBOLS["viscous_dissipation"],
+    )
+    ax.fill_between(times, friction, color=SHADE, linewidth=0, label=_SYMBOLS["friction_dissipation"])
+    ax.set_ylim(bottom=0)
+    ax.set_ylabel("power")
+
+
+def _time_axis(ax: Any, dataset: xarray.Dataset) -> None:
+    first, last = (float(dataset["time"].values[k]) for k in (0, -1))
+
+    def forward(t: Any) -> Any:
+        return np.sqrt(np.maximum(np.asarray(t) - first, 0.0))
+
+    ax.set_xscale("function", functions=(forward, lambda s: first + np.asarray(s) ** 2))
+    ax.set_xlim(first, last)
+    ax.set_xticks(_ticks(first, last))
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.minorticks_off()
+
+
+def _ticks(first: float, last: float) -> list[float]:
+    """Return round times from first to last that keep their distance on the square-root scale."""
+    span = last - first
+    largest = int(np.floor(np.log10(last)))
+    round_times = [k * 10.0**e for e in range(largest, largest - 4, -1) for k in (5, 2, 1)]
+    chosen: list[float] = []
+    for time in [t for t in round_times if first < t <= last] + [first]:
+        place = np.sqrt((time - first) / span)
+        if not chosen or np.sqrt((chosen[-1] - first) / span) - place >= _TICK_ROOM:
+            chosen.append(time)
+    return chosen[::-1]

@@ -1,0 +1,75 @@
+"""A run's last state against the one-dimensional theory of straight stripes."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray
+
+from ..model.definitions import TERM_NAMES
+from ..model.errors import InputError
+from ..model.grid import Array
+from ..model.parameters import Parameters
+from ..stability.profile import Profile, stripes
+from .frames import frame
+from .style import DOWN, INK, TYPE, UP
+
+_NEEDED = {"bundling", "flow_alignment", "diffusion", "rotational_diffusion"}
+"""Terms without which the theory is another one; advection, shear and repulsion vanish in straight stripes."""
+_PANELS = ("P_z", "u_z")
+
+
+def expected(dataset: xarray.Dataset) -> Profile | str:
+    """Return the theory of a run's last state, or a few words that say why there is none."""
+    P = frame(dataset, -1)[0]
+    up = P[1] > 0
+    if not np.all(np.sum(up != np.roll(up, 1, axis=0), axis=0) == 2):
+        return "no two-stripe state"
+    configuration = json.loads(dataset.attrs.get("configuration", "{}"))
+    terms = set(configuration.get("run", {}).get("terms", ()))
+    if not _NEEDED <= terms <= set(TERM_NAMES):
+        return "no theory for these terms"
+    try:
+        return stripes(Parameters(**configuration["parameters"]), 2, max(256, 2 * P.shape[1]))
+    except InputError:
+        return "no theory for these parameters"
+
+
+def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset) -> None:
+    """Draw the axial means of P_z and u_z in a run's last frame, and the theory, into two axes.
+
+    Points are the run, coloured by the direction of P_z; lines are the theory, its upward turn put where
+    the run has it. The largest difference between them is stated. Everything is dimensionless.
+    """
+    theta = np.asarray(dataset["theta"].values, dtype=np.float64)
+    measured = [field[1].mean(axis=1) for field in frame(dataset, -1)]
+    colours = np.where(measured[0] > 0, UP, DOWN)
+    theory = expected(dataset)
+    lines: tuple[Array, Array] | None = None
+    if isinstance(theory, Profile):
+        zone = _rising(dataset, measured[0])
+        lines = theory.at(theta, zone)
+        angle = np.linspace(0, 2 * np.pi, 600)
+        curves = theory.at(angle, zone)
+    for k, (ax, name) in enumerate(zip(axes, _PANELS, strict=True)):
+        ax.axhline(0.0, color=INK, linewidth=0.4)
+        ax.scatter(theta, measured[k], s=7.0, c=colours, linewidths=0, zorder=2)
+        if lines is not None:
+            ax.plot(angle, curves[k], color=INK, linewidth=0.8, zorder=3)
+            note = f"differ by {np.abs(measured[k] - lines[k]).max():.0e} at most"
+        else:
+            note = str(theory)
+        ax.set_title(note, loc="right", pad=4.0, fontsize=TYPE["xtick.labelsize"])
+        ax.set(xlim=(0, 2 * np.pi), ylabel=f"$\\langle {name}\\rangle_z$")
+        ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
+
+
+def _rising(dataset: xarray.Dataset, profile: Array) -> float:
+    """Return the zone at which the profile of the last frame turns upward."""
+    theta = dataset["theta"].values
+    zones = dataset["zone_angle"].values[-1]
+    zones = zones[np.isfinite(zones)]
+    slopes = np.interp(zones + 0.1, theta, profile, period=2 * np.pi)
+    return float(zones[np.argmax(slopes)])

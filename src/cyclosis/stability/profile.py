@@ -1,0 +1,202 @@
+"""The steady state of straight stripes: one profile across them, found by Newton's method.
+
+A state P(theta) e_z that does not vary along the cell is steady where
+
+    d_s P'' - d_r P + (1 - P²)(α_p P + α_u u) = 0,    -μ u'' + u + Π₀ = F = |P|ⁿ P,    <u> = 0 .
+
+Stripes of equal width are odd about every indifferent zone, so P is sought among odd functions: sines on
+the interior points of half a circle. That leaves out rotations, which would make Newton's matrix
+singular, and the uniform states. Two stripes are found; 2k of them are the same profile k times over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.errors import InputError, whole
+from ..model.grid import Array
+from ..model.parameters import Parameters
+
+SMALLEST = 1e-5
+"""A state with no larger |P| counts as disorder."""
+UNRESOLVED = 1e-2
+"""A profile whose interpolant leaves a larger |dP/dt| between its points is refused."""
+_TOLERANCE = 1e-12
+_ITERATIONS = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A steady state P(theta) e_z of stripes and its flow u(theta) e_z, dimensionless.
+
+    `theta`, `P`, `u` (n_theta,) are the angles in radians, the axial polarity and the axial flow, with an
+    indifferent zone at theta = 0 where P turns upward; `pressure_gradient` is Π₀; `residual` the largest
+    |dP/dt| of the trigonometric interpolant on twice as many points; `count` the number of stripes.
+    """
+
+    theta: Array
+    P: Array
+    u: Array
+    pressure_gradient: float
+    residual: float
+    params: Parameters
+    count: int
+
+    def at(self, angles: npt.ArrayLike, zone: float = 0.0) -> tuple[Array, Array]:
+        """Return P and u at `angles` (...), in radians, with an upward zero crossing at the angle `zone`.
+
+        Trigonometric interpolation, so that a resolved profile is exact between its points.
+        """
+        theta = np.asarray(angles, dtype=np.float64) - zone
+        m = np.arange(1, (self.theta.size + 1) // 2)
+        waves = np.sin(theta[..., None] * m)
+        sines = _sines(self.theta.size) * (4.0 / self.theta.size)
+        inner = slice(1, m.size + 1)
+        return waves @ (sines @ self.P[inner]), waves @ (sines @ self.u[inner])
+
+
+def cyclosis(params: Parameters, n_theta: int = 256) -> Profile:
+    """Return the steady state of two stripes: up on one half of the cell, down on the other.
+
+    `params` are numbers (fields are refused); the profile converges exponentially in `n_theta`. Raises
+    `InputError` where no such state is found; disorder and uniform states are never returned.
+    """
+    return stripes(params, 2, n_theta)
+
+
+def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
+    """Return the steady state of `count` stripes of equal width, alternately up and down.
+
+    As `cyclosis`, for an even `count` of at least 2. The state is steady, not necessarily stable. Raises
+    `InputError` where no such state is found.
+    """
+    n = whole("n_theta", n_theta, 16, 8192, "choose a number of points")
+    count = whole("count", count, 2, n // 8, "choose an even number of stripes, or more points")
+    if count % 2:
+        raise InputError("count", count, "even, because stripes alternate", "choose an even number")
+    _check(params)
+    turns = count // 2
+    problem = _Problem(params, n, turns)
+    p = _steady(problem)
+    if p is None:
+        point = ", ".join(f"{name} = {getattr(params, name):g}" for name in ("alpha_p", "alpha_u", "d_s"))
+        rule = f"where a steady state of {count} stripes exists, and none was found: ordered stripes decay"
+        raise InputError("the parameter point", point, rule, "raise alpha_p or alpha_u, or lower d_s")
+    residual = _between(params, n, turns, p)
+    if residual > UNRESOLVED:
+        rule = f"enough to resolve the zones between stripes (|dP/dt| is {residual:.1g} between points)"
+        raise InputError("n_theta", n, rule, "double it")
+    theta = 2 * np.pi / n * np.arange(n, dtype=np.float64)
+    # The point turns · theta_i of the single period is again one of its points.
+    place = turns * np.arange(n) % n
+    P, u = _odd(p, n)[place], _odd(problem.flow(p), n)[place]
+    return Profile(theta, P, u, float(np.mean(_force(P, params.force_exponent))), residual, params, count)
+
+
+def _check(params: Parameters) -> None:
+    """Refuse parameters under which stripes along the axis are no solution."""
+    for name, value in params.items():
+        if isinstance(value, np.ndarray):
+            raise InputError(name, value, "one number for a profile", "simulate a cell with fields instead")
+    if params.kappa > 0 and abs(np.sin(params.repulsion_angle)) > 1e-12:
+        rule = "0 or π, so that stripes along the axis feel no repulsion"
+        raise InputError("repulsion_angle", params.repulsion_angle, rule, "change it or set kappa to 0")
+
+
+def _sines(n: int) -> Array:
+    """Return sin(m theta_j) (modes, points) on the interior points of half a circle of n points.
+
+    Times its transpose it is n/4.
+    """
+    inner = np.arange(1, (n + 1) // 2)
+    return np.sin(2 * np.pi / n * (np.outer(inner, inner) % n))
+
+
+def _odd(p: Array, n: int) -> Array:
+    """Return the odd function (n,) whose values on the interior points of half a circle are p."""
+    values = np.zeros(n)
+    values[1 : p.size + 1] = p
+    values[n - p.size :] = -p[::-1]
+    return values
+
+
+def _force(p: Array, exponent: float) -> Array:
+    return np.abs(p) ** exponent * p
+
+
+class _Problem:
+    """The equations on the interior points of half a period; the period occurs `turns` times around."""
+
+    def __init__(self, params: Parameters, n: int, turns: int) -> None:
+        sines = _sines(n)
+        m2 = (turns * np.arange(1.0, (n + 1) // 2)) ** 2
+        self.params = params
+        self.laplacian = -(sines.T * (4.0 / n * m2)) @ sines
+        self.mobility = (sines.T * (4.0 / n / (1 + params.mu * m2))) @ sines
+        self.angle = 2 * np.pi / n * np.arange(1, (n + 1) // 2)
+
+    def flow(self, p: Array) -> Array:
+        """Return the flow u of a profile; oddness keeps <u> and Π₀ at zero."""
+        flow: Array = self.mobility @ _force(p, self.params.force_exponent)
+        return flow
+
+    def rate(self, p: Array) -> Array:
+        """Return dP/dt of a profile."""
+        a = self.params
+        torque = a.alpha_p * p + a.alpha_u * self.flow(p)
+        rate: Array = a.d_s * (self.laplacian @ p) - a.d_r * p + (1 - p**2) * torque
+        return rate
+
+    def jacobian(self, p: Array) -> Array:
+        """Return the derivative of `rate`."""
+        a, n = self.params, self.params.force_exponent
+        torque = a.alpha_p * p + a.alpha_u * self.flow(p)
+        steep = (n + 1) * np.abs(p) ** n
+        local = (1 - p**2) * a.alpha_p - 2 * p * torque - a.d_r
+        jacobian: Array = a.d_s * self.laplacian + ((1 - p**2) * a.alpha_u)[:, None] * self.mobility * steep
+        jacobian[np.diag_indices_from(jacobian)] += local
+        return jacobian
+
+    def guess(self) -> Array:
+        """Return nearly full order, up on one half of the period and down on the other."""
+        a = self.params
+        zone = np.sqrt(2 * a.d_s / max(a.alpha_p + a.alpha_u, 1e-12))
+        spacing = self.angle[0]
+        return 0.95 * np.tanh(np.sin(self.angle) / min(max(zone, spacing), 1e3))
+
+
+def _steady(problem: _Problem) -> Array | None:
+    """Return the steady profile that full order relaxes to, or None if that is disorder.
+
+    Implicit steps in time, the longer the closer the state is to rest, until they are Newton's: far away
+    they follow the dynamics, which do not jump from stripes to disorder as Newton's method may.
+    """
+    p, step = problem.guess(), 0.5
+    rate = problem.rate(p)
+    unit = np.eye(p.size)
+    for _ in range(_ITERATIONS):
+        size = float(np.abs(rate).max())
+        if np.abs(p).max() < SMALLEST:
+            return None
+        trial = p + np.linalg.solve(unit / step - problem.jacobian(p), rate)
+        now = problem.rate(trial)
+        after = float(np.abs(now).max())
+        if np.abs(trial).max() > 1 or not after <= 2 * size or np.abs(trial - p).max() > 0.2:
+            step *= 0.25
+            continue
+        p, rate = trial, now
+        # Rounding in P'' sets the floor; once steps are Newton's, a rate that no longer falls is at it.
+        if after <= _TOLERANCE or (step > 1e8 and after > 0.5 * size and after < 1e-8):
+            return p if np.abs(p).max() >= SMALLEST and np.all(p > 0) else None
+        step *= min(max(2.0, size / after), 1e3)
+    return None
+
+
+def _between(params: Parameters, n: int, turns: int, p: Array) -> float:
+    """Return the largest |dP/dt| of the interpolant of a profile on twice as many points."""
+    waves = np.sin(np.pi / n * (np.outer(np.arange(1, n), np.arange(1, (n + 1) // 2)) % (2 * n)))
+    fine = waves @ (_sines(n) @ p) * (4.0 / n)
+    return float(np.abs(_Problem(params, 2 * n, turns).rate(fine)).max())
