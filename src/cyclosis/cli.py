@@ -65,6 +65,12 @@ def _shown(default: Any) -> str:
     )
 
 
+PAUSE = Annotated[
+    float, typer.Option("--checkpoint-seconds", min=0.0, help="Seconds on the clock between checkpoints.")
+]
+QUIET = Annotated[bool, typer.Option("--quiet", help="Show no progress bar.")]
+
+
 @app.command()
 @_with_options
 def run(
@@ -73,7 +79,8 @@ def run(
     ] = None,
     out: Annotated[Path, typer.Option(help="NetCDF file to write.")] = Path("run.nc"),
     force: FORCE = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress bar.")] = False,
+    quiet: QUIET = False,
+    checkpoint_seconds: PAUSE = 30.0,
     **options: str | None,
 ) -> None:
     """Run one cell and save it to a NetCDF file."""
@@ -101,6 +108,7 @@ def run(
             terms=ready.terms,
             progress=progress,
             checkpoint=writer,
+            checkpoint_seconds=checkpoint_seconds,
             provenance={"initial": ready.initial},
             **ready.settings.as_dict(),
         )
@@ -115,7 +123,8 @@ def resume(
     t_end: Annotated[
         float | None, typer.Option(help="Time to go on to; by default the run's own end.")
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress bar.")] = False,
+    quiet: QUIET = False,
+    checkpoint_seconds: PAUSE = 30.0,
 ) -> None:
     """Continue a run, finished, interrupted or cut off, as if it had never stopped."""
     from . import dataset, report
@@ -123,7 +132,7 @@ def resume(
 
     standing = dataset.load(file, fields=False)
     with RunProgress(standing.params, standing.grid, hidden=quiet) as progress:
-        result = dataset.resume_file(file, t_end, progress=progress)
+        result = dataset.resume_file(file, t_end, progress=progress, checkpoint_seconds=checkpoint_seconds)
     print(report.summary(result))
     _end(result, file)
 

@@ -12,6 +12,7 @@ from ..model.filaments import TermLike
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from ..model.system import rate_of_change
+from .zones import DISORDER as DISORDER
 from .zones import stripe_widths, zone_angles
 
 REGIMES = (
@@ -24,8 +25,6 @@ REGIMES = (
     "undecided",
 )
 
-DISORDER = 0.05
-"""Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""
 SETTLED = 1e-3
 """Relative rate <|dP/dt|²>^½ / <|P|²>^½ below which a state counts as settled."""
 TRANSLATION = 0.9

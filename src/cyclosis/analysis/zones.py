@@ -11,6 +11,9 @@ import scipy.optimize
 
 from ..model.grid import Array, CylinderGrid
 
+DISORDER = 0.05
+"""Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""
+
 
 @dataclass(frozen=True)
 class Zone:

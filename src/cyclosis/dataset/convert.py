@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
+import h5py
 import numpy as np
 import xarray
 
@@ -67,7 +67,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
         sizes = contents.coordinates
         return _dataset(contents, (sizes["theta"].size, sizes["z"].size))
     try:
-        with h5netcdf.File(place, "r") as file:
+        with h5py.File(place, "r") as file:
             check(file, place)
         dataset = xarray.open_dataset(place, engine="h5netcdf", decode_times=False)
     except DAMAGED as error:
@@ -159,8 +159,11 @@ def _progress(contents: Contents) -> dict[str, Any]:
     stored = contents.restart
     out = {name: stored[name] for name in Progress._fields}
     for name in ("spectrum", "nonlinear"):
-        kind = np.complex64 if contents.dtype == np.float32 else np.complex128
-        out[name] = (out[name][0] + 1j * out[name][1]).astype(kind)
+        packed = np.empty(
+            out[name].shape[1:], np.complex64 if contents.dtype == np.float32 else np.complex128
+        )
+        packed.real, packed.imag = out[name]  # a sum would lose the sign of zeros
+        out[name] = packed
     out["failed"] = out["failed"].astype(bool)
     return out
 

@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from ..model.errors import InputError
 from .contents import COORDINATES, FIELD_DIMS, FIELDS, GROWING, ZONE_VARIABLES, Contents, Variable, described
+from .guarded import GuardedFile
 from .provenance import SCHEMA
 
 DAMAGED = (OSError, ValueError, KeyError, TypeError, AttributeError, RuntimeError, UnicodeDecodeError)
@@ -37,29 +38,28 @@ def write_contents(contents: Contents, target: Path) -> None:
     partial = Path(name)
     try:
         os.chmod(partial, 0o666 & ~_umask())
-        with h5netcdf.File(partial, "w") as file:
-            _fill(file, contents)
-        with open(partial, "rb+") as written:
-            os.fsync(written.fileno())
+        with GuardedFile(partial) as guarded:
+            with h5netcdf.File(guarded, "w") as file:
+                _fill(file, contents, guarded.check)
+            with h5py.File(guarded, "r+") as file:
+                file.attrs["digest"] = digest(file)
+            guarded.sync()
         os.replace(partial, target)
         sync_folder(target.parent)
-    except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
+    except OSError as error:
         raise unwritable(target, error) from error
     finally:
         partial.unlink(missing_ok=True)
 
 
-def unwritable(target: Path, error: Exception) -> InputError:
+def unwritable(target: Path, error: OSError) -> InputError:
     """Return the sentence for a file that could not be written."""
-    full = getattr(error, "errno", None) == errno.ENOSPC or "No space left" in str(error)
-    full = full or "errno = 28" in str(error)
-    reason = (
-        "free some disk space"
-        if full
-        else f"choose another place ({getattr(error, 'strerror', None) or error})"
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    remedy = (
+        "free some disk space and resume" if full else f"choose another place ({error.strerror or error})"
     )
-    saved = "what was saved before is kept"
-    return InputError("out", str(target), "a file that can be written whole", f"{reason}; {saved}")
+    rule = "a file that can be written whole"
+    return InputError("out", str(target), rule, f"{remedy}; what was saved before is kept")
 
 
 def sync_folder(folder: Path) -> None:
@@ -78,18 +78,17 @@ def read_contents(path: Path, fields: bool = True) -> Contents:
     Frames are read one by one; without `fields` only the zone variables of each.
     """
     try:
-        with h5netcdf.File(path, "r") as file:
+        with h5py.File(path, "r") as file:
             check(file, path)
-            names = [name for name in file.variables if name in COORDINATES]
-            coordinates = {name: _values(file.variables[name]) for name in names}
-            frame_names = {*FIELDS, *ZONE_VARIABLES}
+            stored = _variables(file)
+            coordinates = {name: _values(v) for name, v in stored.items() if name in COORDINATES}
+            others = stored.keys() - COORDINATES.keys() - FIELDS.keys() - ZONE_VARIABLES.keys()
             variables = {
-                name: Variable(v.dimensions, _values(v), {k: str(v.attrs[k]) for k in sorted(v.attrs)})
-                for name, v in file.variables.items()
-                if name not in COORDINATES and name not in frame_names
+                name: Variable(_dims(stored[name]), _values(stored[name]), attributes_of(stored[name]))
+                for name in sorted(others)
             }
-            restart = {name: _values(v) for name, v in file.groups["restart"].variables.items()}
-            attributes = {key: _plain(file.attrs[key]) for key in file.attrs if key != "digest"}
+            restart = {name: _values(v) for name, v in _variables(file["restart"]).items()}
+            attributes = {key: value for key, value in attributes_of(file).items() if key != "digest"}
     except DAMAGED as error:
         raise damaged(path, error) from error
     chosen = [*ZONE_VARIABLES] + ([*FIELDS] if fields else [])
@@ -113,17 +112,17 @@ def joined(paths: list[Path], fields: bool = True) -> Contents:
     return Contents(coordinates, variables, frames, last.restart, last.attributes)
 
 
-def check(file: h5netcdf.File, path: Path) -> None:
+def check(file: h5py.File, path: Path) -> None:
     """Raise `InputError` unless an open file is one of ours, of this schema, and unaltered."""
-    if "program" not in file.attrs or _plain(file.attrs["program"]) != "cyclosis":
+    found = attributes_of(file)
+    if found.get("program") != "cyclosis":
         raise InputError("file", str(path), "a NetCDF file of a cyclosis run", "choose another file")
-    schema = _plain(file.attrs["schema"])
+    schema = found["schema"]
     if schema != SCHEMA:
         remedy = "update cyclosis" if schema > SCHEMA else "read it with the version that wrote it"
-        raise InputError(
-            "schema of " + str(path), schema, f"{SCHEMA}, the layout that this version reads", remedy
-        )
-    if _plain(file.attrs["digest"]) != digest(file):
+        rule = f"{SCHEMA}, the layout that this version reads"
+        raise InputError("schema of " + str(path), schema, rule, remedy)
+    if found["digest"] != digest(file):
         raise InputError("file", str(path), "as it was written", "it was altered: restore it from a copy")
 
 
@@ -140,35 +139,28 @@ def damaged(path: Path, error: Exception) -> InputError:
     )
 
 
-def digest(file: h5netcdf.File) -> str:
+def digest(file: h5py.File) -> str:
     """Return a checksum of attributes and of all variables but the fields.
 
     Fields carry a checksum of their own in every chunk, which HDF5 verifies when it is read.
     """
     out = hashlib.sha256()
-
-    def add(*parts: Any) -> None:
-        out.update(json.dumps(parts, sort_keys=True, default=str).encode())
-
-    def add_group(group: Any, skip: tuple[str, ...]) -> None:
-        add({key: _plain(group.attrs[key]) for key in group.attrs if key != "digest"})
-        for name in sorted(group.variables):
-            variable = group.variables[name]
-            add(name, variable.dimensions, str(variable.dtype), variable.shape)
-            add({key: _plain(variable.attrs[key]) for key in variable.attrs})
-            if name not in skip:
+    for group in (file, file["restart"]):
+        own = {key: value for key, value in attributes_of(group).items() if key != "digest"}
+        out.update(json.dumps(own, sort_keys=True).encode())
+        for name, variable in sorted(_variables(group).items()):
+            described = [name, _dims(variable), str(variable.dtype), variable.shape, attributes_of(variable)]
+            out.update(json.dumps(described, sort_keys=True).encode())
+            if name not in FIELDS:
                 values = _values(variable)
                 out.update(
                     json.dumps(values.tolist()).encode() if values.dtype == object else values.tobytes()
                 )
-
-    add_group(file, tuple(FIELDS))
-    if "restart" in file.groups:
-        add_group(file.groups["restart"], ())
     return out.hexdigest()
 
 
-def _fill(file: h5netcdf.File, contents: Contents) -> None:
+def _fill(file: h5netcdf.File, contents: Contents, still_well: Callable[[], None]) -> None:
+    """Fill an empty file; `still_well` raises as soon as the disk has failed."""
     file.dimensions = {name: len(values) for name, values in contents.coordinates.items()}
     for name, values in contents.coordinates.items():
         _create(file, name, (name,), values.dtype, values, described(COORDINATES[name]))
@@ -185,6 +177,7 @@ def _fill(file: h5netcdf.File, contents: Contents) -> None:
     for index, frame in enumerate(contents.frames):
         for name, values in frame.items():
             targets[name][index] = values
+        still_well()
         stored += 1
     if stored != frames:
         raise ValueError(f"{stored} frames for {frames} times")
@@ -194,7 +187,6 @@ def _fill(file: h5netcdf.File, contents: Contents) -> None:
     for name, values in contents.restart.items():
         _create(group, name, tuple(sizes[name]), values.dtype, values, {})
     file.attrs.update(contents.attributes)
-    file.attrs["digest"] = digest(file)
 
 
 def _own_dims(name: str, values: npt.NDArray[Any]) -> dict[str, int]:
@@ -225,18 +217,42 @@ def _create(
 
 def _frames(path: Path, names: list[str]) -> Iterator[dict[str, Any]]:
     try:
-        with h5netcdf.File(path, "r") as file:
-            for index in range(file.dimensions["time"].size):
-                yield {name: file.variables[name][index] for name in names}
+        with h5py.File(path, "r") as file:
+            for index in range(file["time"].shape[0]):
+                yield {name: file[name][index] for name in names}
     except DAMAGED as error:
         raise damaged(path, error) from error
 
 
-def _values(variable: Any) -> npt.NDArray[Any]:
-    values = np.asarray(variable[...])
-    if values.dtype == object:
-        return np.array([v.decode() if isinstance(v, bytes) else v for v in values.ravel()], dtype=object)
-    return values
+def _variables(group: h5py.Group) -> dict[str, h5py.Dataset]:
+    """Return the variables of a group, less the dimensions that have no values."""
+    return {
+        name: item
+        for name, item in group.items()
+        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF")
+    }
+
+
+def _dims(variable: h5py.Dataset) -> tuple[str, ...]:
+    if variable.is_scale:
+        return (variable.name.rpartition("/")[2],)
+    return tuple(scale[0].name.rpartition("/")[2] for scale in variable.dims)
+
+
+def _values(variable: h5py.Dataset) -> npt.NDArray[Any]:
+    if variable.dtype.kind == "O":
+        return np.array(variable.asstr()[...], dtype=object)
+    return np.asarray(variable[...])
+
+
+_INTERNAL = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
+
+
+def attributes_of(item: h5py.HLObject) -> dict[str, Any]:
+    """Return the attributes that are ours, as plain values; those of the format are left out."""
+    return {
+        key: _plain(item.attrs[key]) for key in item.attrs if key not in _INTERNAL and not key.startswith("_")
+    }
 
 
 def _plain(value: Any) -> Any:

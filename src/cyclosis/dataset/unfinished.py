@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
+import h5py
 
 from ..dynamics.run import Snapshot
 from ..dynamics.simulate import CHECKPOINT_SECONDS, resume
@@ -23,7 +23,7 @@ from ..dynamics.trajectory import Trajectory
 from ..model.errors import InputError
 from ..model.filaments import TermLike
 from .contents import of_trajectory
-from .netcdf import DAMAGED, damaged, joined, sync_folder, unwritable, write_contents
+from .netcdf import DAMAGED, attributes_of, damaged, joined, sync_folder, unwritable, write_contents
 
 MARKS = ("follows", "continues")
 """Attributes of a part: the digest of the file at its run's place when the run began, and whether the run
@@ -136,7 +136,7 @@ def resume_file(
 def _digest(path: Path) -> str:
     """Return the digest that a file states of itself, or nothing where there is no such file."""
     try:
-        with h5netcdf.File(path, "r") as file:
+        with h5py.File(path, "r") as file:
             return str(file.attrs["digest"])
     except DAMAGED:
         return ""
@@ -144,7 +144,8 @@ def _digest(path: Path) -> str:
 
 def _marks(path: Path) -> dict[str, Any]:
     try:
-        with h5netcdf.File(path, "r") as file:
-            return {"follows": str(file.attrs["follows"]), "continues": int(file.attrs["continues"])}
+        with h5py.File(path, "r") as file:
+            found = attributes_of(file)
+            return {mark: found[mark] for mark in MARKS}
     except DAMAGED as error:
         raise damaged(path, error) from error

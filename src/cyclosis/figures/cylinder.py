@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.ndimage import map_coordinates, spline_filter
 
 from ..model.errors import number
 from ..model.grid import Array, CylinderGrid
-from .ribbons import paint, stream_ribbons, zone_ribbons
+from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, PAPER, ZONE, polarity_rgb
 
 TILT = 0.2
@@ -57,6 +58,7 @@ def draw(
     tilt: float = TILT,
     streamlines: bool = True,
     peak_speed: float | None = None,
+    ribbons: Sequence[Ribbon] | None = None,
     pixels: int = PIXELS,
 ) -> None:
     """Draw a state P and its flow u, both (2, n_theta, n_z), as a cylinder into matplotlib axes.
@@ -65,8 +67,9 @@ def draw(
     zones P_z = 0, dark lines the flow, from their thin to their thick ends. `view_angle` (radians) is
     the angle theta that faces the viewer, `tilt` (radians, 0 to 1.2) how far the viewer looks down.
     `peak_speed` is the speed of the strongest lines, by default that of this flow; give a run's peak
-    to compare frames. `pixels` is the number of colour samples across the diameter. Everything is
-    dimensionless. Raises `InputError` for fields that do not match the grid.
+    to compare frames. `ribbons` are streamlines to draw instead of those found here.
+    `pixels` is the number of colour samples across the diameter. Everything is dimensionless. Raises
+    `InputError` for fields that do not match the grid.
     """
     state, flow = grid.check_state(P), grid.check_state(u, "the flow")
     view_angle = number("view_angle", view_angle, -1e6, 1e6, "choose an angle in radians")
@@ -89,7 +92,11 @@ def draw(
 
     if streamlines:
         peak = float(np.hypot(*flow).max()) if peak_speed is None else peak_speed
-        lines, strength = stream_ribbons(grid, flow, window, peak)
+        lines, strength = (
+            stream_ribbons(grid, flow, window, peak)
+            if ribbons is None
+            else placed(ribbons, window, grid.length)
+        )
         paint_on(lines, INK, strength)
     paint_on(zone_ribbons(grid, state, window), ZONE)
     lid = Ellipse(
@@ -101,8 +108,9 @@ def draw(
         linewidth=0.6,
         zorder=4,
     )
-    ax.add_patch(PathPatch(body, facecolor="none", edgecolor=INK, linewidth=0.6, zorder=3))
-    ax.add_patch(lid)
+    # As artists, because as patches they would be measured for limits that are known.
+    ax.add_artist(PathPatch(body, facecolor="none", edgecolor=INK, linewidth=0.6, zorder=3))
+    ax.add_artist(lid)
     ax.set(xlim=(-1.03, 1.03), ylim=(box[2] - 0.03, box[3] + 0.03), aspect="equal")
     ax.set_axis_off()
 

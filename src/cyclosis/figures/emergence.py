@@ -12,8 +12,8 @@ from matplotlib.patches import ConnectionPatch
 
 from ..model.errors import InputError, number
 from . import cylinder
-from .frames import facing_zone, frame, grid_of, indices_at, peak_speed, story
-from .style import QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb
+from .frames import at_hand, facing_zone, frame, grid_of, indices_at, peak_speed, story
+from .style import QUIET, TYPE, WIDTH, blank, colour_key, place
 from .unwrapped import draw_map
 
 CYLINDERS = 6
@@ -44,6 +44,7 @@ def emergence(
     dataset, too few frames, or a dataset without fields.
     """
     grid = grid_of(dataset)
+    dataset = at_hand(dataset)
     tilt = cylinder.checked_tilt(tilt)
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     shown = story(dataset, CYLINDERS) if times is None else indices_at(dataset, times)
@@ -113,7 +114,7 @@ class _Layout:
             ax.set_title(f"$t$ = {_time(self.dataset, index)}", pad=4.0, fontsize=TYPE["font.size"])
         for k, index in enumerate(self.unwrapped):
             self._map(k, index, cells[index])
-        self._key()
+        colour_key(place(self.figure, self.width - _MARGIN - _KEY + 4.0, _AXIS, 3.2, self.map[1]))
         return self.figure
 
     def _map(self, k: int, index: int, cell: Any) -> None:
@@ -140,14 +141,3 @@ class _Layout:
                 zorder=0,
             )
             self.figure.add_artist(link)
-
-    def _key(self) -> None:
-        """Draw the colours of P_z as an upright bar beside the maps, up-streaming on top."""
-        ax = place(self.figure, self.width - _MARGIN - _KEY + 4.0, _AXIS, 3.2, self.map[1])
-        levels = np.linspace(-1.0, 1.0, 512)
-        ax.imshow(polarity_rgb(levels)[:, None, :], extent=(0, 1, -1, 1), origin="lower", aspect="auto")
-        ax.axhline(0.0, color=ZONE, linewidth=1.2)
-        ax.set_xticks([])
-        ax.set_yticks([-1, 0, 1], ["−1", "0", "1"])
-        ax.yaxis.tick_right()
-        ax.set_title("$P_z$", pad=5.0, fontsize=TYPE["font.size"])

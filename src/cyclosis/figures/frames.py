@@ -14,6 +14,8 @@ from ..model.grid import Array, CylinderGrid
 
 SETTLED = 0.995
 """Share of the whole way that P travels after which a story ends: what follows hardly moves."""
+IN_MEMORY = 2**28
+"""Runs whose P takes no more bytes than this are read at once, which is faster than frame by frame."""
 _DIMS = ("time", "component", "theta", "z")
 
 
@@ -27,6 +29,11 @@ def grid_of(dataset: Any) -> CylinderGrid:
             raise InputError("the dataset's variables", found, rule, "use the dataset of a run")
     length = number("length", dataset.attrs.get("length"), 1e-9, 1e9, "keep the dataset's attribute `length`")
     return CylinderGrid(dataset.sizes["theta"], dataset.sizes["z"], length)
+
+
+def at_hand(dataset: xarray.Dataset) -> xarray.Dataset:
+    """Return a run's dataset in memory if it is small, else as it is."""
+    return dataset.compute() if dataset["P"].nbytes <= IN_MEMORY else dataset
 
 
 def frame(dataset: xarray.Dataset, index: int) -> tuple[Array, Array]:
@@ -66,24 +73,29 @@ def indices_at(dataset: xarray.Dataset, times: npt.ArrayLike, name: str = "times
     return found
 
 
+def travelled(dataset: xarray.Dataset) -> Array:
+    """Return the way (time,) that P has travelled by each frame: the sum of <|P(t + dt) - P(t)|²>^½."""
+    way, before = [0.0], dataset["P"].isel(time=0).values
+    for index in range(1, dataset.sizes["time"]):
+        now = dataset["P"].isel(time=index).values
+        way.append(way[-1] + float(np.sqrt(np.mean(np.sum((now - before) ** 2, axis=0)))))
+        before = now
+    return np.array(way)
+
+
 def story(dataset: xarray.Dataset, count: int) -> list[int]:
     """Return `count` frames, in order, that tell how the state came about.
 
-    They lie evenly along the way that P travels, the sum of <|P(t + dt) - P(t)|²>^½ over the saved
-    frames: fast changes get more frames than slow ones. The first is the initial state, the last the
-    state once it hardly changes, however long the run went on. Raises `InputError` for fewer than
-    `count` frames.
+    They lie evenly along the way that P travels: fast changes get more frames than slow ones. The first
+    is the initial state, the last the state once it hardly changes, however long the run went on. Raises
+    `InputError` for fewer than `count` frames.
     """
     frames = dataset.sizes["time"]
     if frames < count:
         raise InputError("the number of saved frames", frames, f"at least {count}", "save more often")
-    way, before = [0.0], frame(dataset, 0)[0]
-    for index in range(1, frames):
-        now = frame(dataset, index)[0]
-        way.append(way[-1] + float(np.sqrt(np.mean(np.sum((now - before) ** 2, axis=0)))))
-        before = now
+    way = travelled(dataset)
     shares = np.linspace(0.0, SETTLED, count)
-    chosen = np.abs(np.array(way)[:, None] - shares * way[-1]).argmin(axis=0)
+    chosen = np.abs(way[:, None] - shares * way[-1]).argmin(axis=0)
     # Each its own frame: later ones are moved on where several fell on one, then back from the end.
     offset = np.arange(count)
     chosen = np.maximum.accumulate(chosen - offset) + offset

@@ -12,14 +12,13 @@ from matplotlib.figure import Figure
 from ..analysis.diagnostics import QUANTITIES
 from ..model.errors import InputError, number
 from ..model.grid import Array
-from .frames import grid_of
-from .style import DOWN, INK, QUIET, SHADE, TYPE, UP, WIDTH, blank, mathtext, place
+from .clock import time_axis
+from .frames import at_hand, grid_of
+from .style import DOWN, INK, LEGEND, QUIET, SHADE, TYPE, UP, WIDTH, blank, mathtext, place
 from .theory import draw_profiles
 
 # Places in millimetres.
 _LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
-_TICK_ROOM = 0.14
-"""Least distance between the ticks of time, as a fraction of the axis."""
 _SYMBOLS = {item.name: mathtext(item.symbol) for item in QUANTITIES} | {
     "mean": r"$|\langle\mathbf{P}\rangle|$"
 }
@@ -55,7 +54,7 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
         raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
     width = number("width", width, 120.0, 1000.0, "choose a width in millimetres")
     with matplotlib.rc_context(TYPE | {"font.size": 9.0, "axes.labelsize": 9.0, "xtick.labelsize": 8.5}):
-        return _drawn(dataset, width)
+        return _drawn(at_hand(dataset), width)
 
 
 def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
@@ -74,18 +73,8 @@ def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
     _power(power, dataset)
     draw_profiles((profiles[0], profiles[1]), dataset)
     for ax in (order, speed, widths, power):
-        _time_axis(ax, dataset)
-        ax.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.03, 0.97),
-            ncols=3,
-            frameon=False,
-            fontsize=9.0,
-            handlelength=1.2,
-            handletextpad=0.4,
-            columnspacing=1.0,
-            borderpad=0.2,
-        )
+        time_axis(ax, *(float(dataset["time"].values[k]) for k in (0, -1)))
+        ax.legend(**LEGEND)
     for upper, lower in axes:
         upper.tick_params(labelbottom=False)
         for ax in (upper, lower):
@@ -151,29 +140,3 @@ def _power(ax: Any, dataset: xarray.Dataset) -> None:
     ax.fill_between(times, friction, color=SHADE, linewidth=0, label=_SYMBOLS["friction_dissipation"])
     ax.set_ylim(bottom=0)
     ax.set_ylabel("power")
-
-
-def _time_axis(ax: Any, dataset: xarray.Dataset) -> None:
-    first, last = (float(dataset["time"].values[k]) for k in (0, -1))
-
-    def forward(t: Any) -> Any:
-        return np.sqrt(np.maximum(np.asarray(t) - first, 0.0))
-
-    ax.set_xscale("function", functions=(forward, lambda s: first + np.asarray(s) ** 2))
-    ax.set_xlim(first, last)
-    ax.set_xticks(_ticks(first, last))
-    ax.xaxis.set_major_formatter("{x:g}")
-    ax.minorticks_off()
-
-
-def _ticks(first: float, last: float) -> list[float]:
-    """Return round times from first to last that keep their distance on the square-root scale."""
-    span = last - first
-    largest = int(np.floor(np.log10(last)))
-    round_times = [k * 10.0**e for e in range(largest, largest - 4, -1) for k in (5, 2, 1)]
-    chosen: list[float] = []
-    for time in [t for t in round_times if first < t <= last] + [first]:
-        place = np.sqrt((time - first) / span)
-        if not chosen or np.sqrt((chosen[-1] - first) / span) - place >= _TICK_ROOM:
-            chosen.append(time)
-    return chosen[::-1]

@@ -5,7 +5,8 @@ A polygon follows the surface, so that a line narrows towards the silhouette of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.path import Path
 
-from ..analysis.regimes import DISORDER
-from ..analysis.zones import indifferent_zones
+from ..analysis.zones import DISORDER, indifferent_zones
 from ..model.grid import Array, CylinderGrid, interpolate
-from .streamlines import streamlines
+from .streamlines import Streamline, streamlines
 
 ZONE_WIDTH = 0.042
 """Width of an indifferent zone, in radii."""
@@ -32,6 +32,8 @@ ZONE_POINTS = 128
 _CAP = np.linspace(0.5 * np.pi, -0.5 * np.pi, 7)[1:-1]
 
 Window = tuple[float, float]
+Ribbon = tuple[Array, float]
+"""A streamline as a polygon (n, 2) of unwrapped (theta, z), and its strength."""
 
 
 def zone_ribbons(grid: CylinderGrid, P: npt.ArrayLike, window: Window, scale: float = 1.0) -> list[Array]:
@@ -49,7 +51,7 @@ def zone_ribbons(grid: CylinderGrid, P: npt.ArrayLike, window: Window, scale: fl
     polygons = []
     for zone in indifferent_zones(fine, interpolate(state, fine.shape)):
         width = np.full(zone.theta.size, scale * ZONE_WIDTH)
-        polygons += list(_copies(zone.theta, zone.z, width, window, grid.length))
+        polygons += list(_copies(ribbon(zone.theta, zone.z, width), window, grid.length))
     return polygons
 
 
@@ -58,21 +60,34 @@ def stream_ribbons(
 ) -> tuple[list[Array], Array]:
     """Return streamlines of a flow (2, n_theta, n_z) as polygons (n, 2) of (theta, z), and strengths.
 
-    Each polygon widens downstream. Its strength, in 0 to 1 and also a factor of its width, is the square
-    root of the line's mean speed over `peak_speed`; nothing is drawn below 2 % of that speed. `window`
-    and `scale` are as for `zone_ribbons`, `scale` also spreads the lines.
+    They are made by `stream_ribbon`; nothing is drawn below 2 % of `peak_speed`. `window` and `scale` are
+    as for `zone_ribbons`, `scale` also spreads the lines.
     """
     if peak_speed <= 0:
         return [], np.empty(0)
-    polygons: list[Array] = []
-    strengths: list[float] = []
     lines = streamlines(
         grid, u, separation=0.095 * scale, length=1.25 * scale, slowest=NEGLIGIBLE * peak_speed
     )
-    for line in lines:
-        strength = float(np.sqrt(min(1.0, line.speed.mean() / peak_speed)))
-        width = scale * STREAM_WIDTH * strength * np.linspace(THIN_END, 1.0, line.theta.size)
-        copies = list(_copies(line.theta, line.z, width, window, grid.length))
+    return placed([stream_ribbon(line, peak_speed, scale) for line in lines], window, grid.length)
+
+
+def stream_ribbon(line: Streamline, peak_speed: float, scale: float = 1.0, shown: float = 1.0) -> Ribbon:
+    """Return a streamline as a polygon that widens downstream, and its strength, in 0 to 1.
+
+    The strength is the root of the line's mean speed over `peak_speed`, times `shown`, and also a factor
+    of the width; `scale` is another.
+    """
+    strength = shown * float(np.sqrt(min(1.0, line.speed.mean() / peak_speed)))
+    width = scale * STREAM_WIDTH * strength * np.linspace(THIN_END, 1.0, line.theta.size)
+    return ribbon(line.theta, line.z, width), strength
+
+
+def placed(ribbons: Iterable[Ribbon], window: Window, length: float) -> tuple[list[Array], Array]:
+    """Return all periodic copies of ribbons that show within a window, and their strengths (n,)."""
+    polygons: list[Array] = []
+    strengths: list[float] = []
+    for polygon, strength in ribbons:
+        copies = list(_copies(polygon, window, length))
         polygons += copies
         strengths += [strength] * len(copies)
     return polygons, np.array(strengths)
@@ -93,32 +108,30 @@ def paint(
         lines.set_clip_path(clip, ax.transData)
 
 
-def _copies(theta: Array, z: Array, width: Array, window: Window, length: float) -> Iterator[Array]:
-    """Yield ribbons of all periodic copies of a line that show within the window, cut at its sides."""
-    for dz in _shifts(z, length, (0.0, length)):
-        for turn in _shifts(theta, 2 * np.pi, window):
-            angle = theta + turn
-            inside = np.flatnonzero((angle >= window[0]) & (angle <= window[1]))
-            for run in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
-                if run.size > 1:
-                    polygon = ribbon(angle[run], z[run] + dz, width[run])
-                    polygon[:, 0] = np.clip(polygon[:, 0], *window)
-                    yield polygon
+def _copies(polygon: Array, window: Window, length: float) -> Iterator[Array]:
+    """Yield the periodic copies of a polygon that show within the window, cut at its sides."""
+    low, high = polygon.min(axis=0), polygon.max(axis=0)
+    for dz in _shifts(low[1], high[1], length, (0.0, length)):
+        for turn in _shifts(low[0], high[0], 2 * np.pi, window):
+            copy = polygon + np.array([turn, dz])
+            # What lies beyond a side is laid flat onto it, where it has no area.
+            np.clip(copy[:, 0], *window, out=copy[:, 0])
+            yield copy
 
 
-def _shifts(values: Array, period: float, window: Window) -> Array:
-    """Return the multiples of the period that bring part of the values into the window."""
-    first = np.ceil((window[0] - values.max()) / period)
-    last = np.floor((window[1] - values.min()) / period)
-    return period * np.arange(first, last + 1)
+def _shifts(low: float, high: float, period: float, window: Window) -> Iterator[float]:
+    """Yield the multiples of the period that bring part of an interval into the window."""
+    first, last = math.ceil((window[0] - high) / period), math.floor((window[1] - low) / period)
+    return (period * k for k in range(first, last + 1))
 
 
 def ribbon(theta: Array, z: Array, width: Array) -> Array:
     """Return the outline (n, 2) of a line (theta, z) of given widths (all (m,)), with round ends."""
-    along = np.gradient(np.stack([theta, z]), axis=1)
+    middle, half = np.stack([theta, z]), 0.5 * width
+    steps = np.diff(middle)
+    along = np.concatenate([steps[:, :1], steps[:, 1:] + steps[:, :-1], steps[:, -1:]], axis=1)
     along /= np.maximum(np.hypot(*along), 1e-300)
     normal = np.stack([-along[1], along[0]])
-    middle, half = np.stack([theta, z]), 0.5 * width
 
     def cap(end: int, sense: float) -> Array:
         out, side = sense * along[:, [end]], sense * normal[:, [end]]

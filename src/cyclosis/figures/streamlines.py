@@ -61,15 +61,17 @@ def streamlines(
     separation = number("separation", separation, 0.02, 3.0, "choose a distance in radii")
     length = number("length", length, 2 * STEP, 100.0, "choose an arc length in radii")
     slowest = number("slowest", slowest, 0.0, 1e9, "choose a speed")
-    velocity = _velocity(grid, flow)
-    seeds = _seeds(grid, separation)
+    velocity = velocity_of(grid, flow)
+    seeds = even_points(grid, separation)
     seeds = seeds[:, np.hypot(*velocity(seeds)) > slowest]
-    points = _traced(velocity, seeds, max(1, round(0.5 * length / STEP)))
+    steps = max(1, round(0.5 * length / STEP))
+    upstream, downstream = (traced(velocity, seeds, steps, step) for step in (-STEP, STEP))
+    points = np.concatenate([upstream[:, :0:-1], downstream], axis=1)
     speed = np.hypot(*velocity(points))
     return _spread(grid, points, speed, speed <= slowest, separation, length)
 
 
-def _seeds(grid: CylinderGrid, separation: float) -> Array:
+def even_points(grid: CylinderGrid, separation: float) -> Array:
     """Return points (2, n) of a low-discrepancy sequence, about four for every line that fits."""
     count = max(64, int(4 * 2 * np.pi * grid.length / (ROOM * separation) ** 2))
     plastic = 1.324717957244746  # the real root of x³ = x + 1 gives the most even two-dimensional sequence
@@ -81,8 +83,8 @@ def _refined(n: int) -> int:
     return n * -(-FINE // n)
 
 
-def _velocity(grid: CylinderGrid, flow: Array) -> Velocity:
-    """Return the function that interpolates a flow at points (2, ...)."""
+def velocity_of(grid: CylinderGrid, flow: Array) -> Velocity:
+    """Return the function that interpolates a flow (2, n_theta, n_z) at points (2, ...)."""
     fine = interpolate(flow, (_refined(grid.n_theta), _refined(grid.n_z)))
     n, m = fine.shape[1:]
     packed = (fine[0] + 1j * fine[1]).ravel()
@@ -101,25 +103,25 @@ def _velocity(grid: CylinderGrid, flow: Array) -> Velocity:
     return velocity
 
 
-def _traced(velocity: Velocity, seeds: Array, steps: int) -> Array:
-    """Trace lines from all seeds (2, n) at once; return points (2, 2 steps + 1, n), upstream first."""
+def traced(velocity: Velocity, starts: Array, steps: int, step: Array | float) -> Array:
+    """Trace lines along u/|u| from all `starts` (2, n) at once; return points (2, steps + 1, n).
+
+    Fourth-order Runge-Kutta. `step` is an arc length for all or for each line (n,), negative upstream.
+    """
 
     def direction(points: Array) -> Array:
         v = velocity(points)
         return v / np.maximum(np.hypot(*v), 1e-300)
 
-    halves = []
-    for h in (-STEP, STEP):
-        path = [seeds]
-        for _ in range(steps):
-            x = path[-1]
-            a = direction(x)
-            b = direction(x + 0.5 * h * a)
-            c = direction(x + 0.5 * h * b)
-            d = direction(x + h * c)
-            path.append(x + h / 6 * (a + 2 * b + 2 * c + d))
-        halves.append(path)
-    return np.stack([*reversed(halves[0][1:]), *halves[1]], axis=1)
+    path = [starts]
+    for _ in range(steps):
+        x = path[-1]
+        a = direction(x)
+        b = direction(x + 0.5 * step * a)
+        c = direction(x + 0.5 * step * b)
+        d = direction(x + step * c)
+        path.append(x + step / 6 * (a + 2 * b + 2 * c + d))
+    return np.stack(path, axis=1)
 
 
 def _spread(
@@ -131,7 +133,7 @@ def _spread(
     length: float,
 ) -> list[Streamline]:
     """Keep lines one by one, cut where they come too close to those kept before."""
-    near_line, near_seed = (_Taken(grid, distance) for distance in (separation, ROOM * separation))
+    near_line, near_seed = (Taken(grid, distance) for distance in (separation, ROOM * separation))
     cells, seed_cells = near_line.cells(points), near_seed.cells(points)
     middle = points.shape[1] // 2
     starts = seed_cells[middle].tolist()
@@ -168,12 +170,12 @@ def _before_return(line: Array, separation: float) -> int:
     return int(meets[0]) if meets.size else line.shape[1]
 
 
-class _Taken:
+class Taken:
     """Which small cells of the surface lie within a distance of the lines kept so far."""
 
-    def __init__(self, grid: CylinderGrid, distance: float) -> None:
+    def __init__(self, grid: CylinderGrid, distance: float, fineness: int = 6) -> None:
         self.period = np.array([2 * np.pi, grid.length])
-        self.shape = np.ceil(self.period / (distance / 6)).astype(np.int64)
+        self.shape = np.ceil(self.period / (distance / fineness)).astype(np.int64)
         size = self.period / self.shape
         self.taken = np.zeros(int(self.shape.prod()), dtype=bool)
         # One cell's diagonal more than the distance, because points lie anywhere in their cells.
@@ -191,8 +193,12 @@ class _Taken:
         )
         return np.asarray(i * self.shape[1] + j)
 
+    def clear(self) -> None:
+        """Forget all lines."""
+        self.taken[:] = False
+
     def add(self, cells: npt.NDArray[np.int64]) -> None:
         """Mark everything near the points in `cells` (n,)."""
-        i, j = np.divmod(np.unique(cells)[:, None], self.shape[1])
+        i, j = np.divmod(cells[:, None], self.shape[1])
         n, m = self.shape
         self.taken[np.mod(i + self.disc[0], n) * m + np.mod(j + self.disc[1], m)] = True

@@ -75,6 +75,22 @@ TYPE: dict[Any, Any] = {
 """Matplotlib settings shared by all figures; use as `with matplotlib.rc_context(TYPE)`."""
 
 
+LEGEND: dict[str, Any] = {
+    "loc": "lower left",
+    "bbox_to_anchor": (-0.04, 0.97),
+    "ncols": 3,
+    "frameon": False,
+    "fontsize": 9.0,
+    "handlelength": 1.1,
+    "handletextpad": 0.4,
+    "columnspacing": 0.9,
+    "markerscale": 2.2,
+    "borderpad": 0.2,
+    "numpoints": 1,
+}
+"""A legend in one row above its axes."""
+
+
 def polarity_rgb(P_z: npt.ArrayLike) -> Array:
     """Return the colours (..., 3), in 0 to 1, of axial polarities (...) in -1 to 1 (dimensionless)."""
     values = np.clip(np.asarray(P_z, dtype=np.float64), -1.0, 1.0)
@@ -91,7 +107,7 @@ _MATHTEXT = {
     "∇": r"\nabla ",
     "μ": r"\mu ",
     "Π₀": r"\Pi_0",
-    "max": r"\max ",
+    "max ": r"\max\,",
     "P": r"\mathbf{P}",
     "u": r"\mathbf{u}",
     "F": r"\mathbf{F}",
@@ -113,6 +129,17 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
     """Return new axes in a figure, at a place given in millimetres from its lower left corner."""
     across, up = figure.get_size_inches() * 25.4
     return figure.add_axes((left / across, bottom / up, width / across, height / up))
+
+
+def colour_key(ax: Any) -> None:
+    """Draw the colours of P_z into narrow upright axes, up-streaming on top."""
+    levels = np.linspace(-1.0, 1.0, 512)
+    ax.imshow(polarity_rgb(levels)[:, None, :], extent=(0, 1, -1, 1), origin="lower", aspect="auto")
+    ax.axhline(0.0, color=ZONE, linewidth=1.2)
+    ax.set_xticks([])
+    ax.set_yticks([-1, 0, 1], ["−1", "0", "1"])
+    ax.yaxis.tick_right()
+    ax.set_title("$P_z$", pad=5.0, fontsize=matplotlib.rcParams["font.size"])
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.lines import Line2D
 
 from ..model.definitions import TERM_NAMES
 from ..model.errors import InputError
@@ -14,10 +15,10 @@ from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.profile import Profile, stripes
 from .frames import frame
-from .style import DOWN, INK, TYPE, UP
+from .style import DOWN, INK, LEGEND, UP
 
 _NEEDED = {"bundling", "flow_alignment", "diffusion", "rotational_diffusion"}
-"""Terms without which the theory is another one; advection, shear and repulsion vanish in straight stripes."""
+"""Terms without which the theory is another one; straight stripes do not feel the others."""
 _PANELS = ("P_z", "u_z")
 
 
@@ -56,14 +57,27 @@ def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset) -> None:
     for k, (ax, name) in enumerate(zip(axes, _PANELS, strict=True)):
         ax.axhline(0.0, color=INK, linewidth=0.4)
         ax.scatter(theta, measured[k], s=7.0, c=colours, linewidths=0, zorder=2)
+        note = str(theory)
         if lines is not None:
             ax.plot(angle, curves[k], color=INK, linewidth=0.8, zorder=3)
-            note = f"differ by {np.abs(measured[k] - lines[k]).max():.0e} at most"
-        else:
-            note = str(theory)
-        ax.set_title(note, loc="right", pad=4.0, fontsize=TYPE["xtick.labelsize"])
-        ax.set(xlim=(0, 2 * np.pi), ylabel=f"$\\langle {name}\\rangle_z$")
+            note = f"largest difference {_power_of_ten(np.abs(measured[k] - lines[k]).max())}"
+        top = 1.1 * max(float(np.abs(measured[k]).max()), 1e-3)
+        # The note stands above the curve, inside the axes.
+        ax.set(xlim=(0, 2 * np.pi), ylim=(-top, 1.4 * top), ylabel=f"$\\langle {name}\\rangle_z$")
+        ax.text(0.5, 0.98, note, transform=ax.transAxes, ha="center", va="top", fontsize=8.5)
         ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
+    if lines is not None:
+        point, line = (
+            Line2D([], [], color=UP, marker=".", markersize=3.2, markeredgewidth=0, linestyle=""),
+            Line2D([], [], color=INK, linewidth=0.8),
+        )
+        axes[0].legend([point, line], ["run", "theory"], **LEGEND)
+
+
+def _power_of_ten(value: float) -> str:
+    """Return a small number as mathematics, with one digit."""
+    digit, exponent = f"{value:.0e}".split("e")
+    return f"${digit} \\times 10^{{{int(exponent)}}}$"
 
 
 def _rising(dataset: xarray.Dataset, profile: Array) -> float:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ..model.grid import CylinderGrid, interpolate
-from .ribbons import paint, stream_ribbons, zone_ribbons
+from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, ZONE, polarity_rgb
 
 SCALE = 1.35
@@ -31,6 +32,32 @@ def draw_map(
     Colours, lines and `peak_speed` are as in `cyclosis.figures.cylinder.draw`. Everything is
     dimensionless. Raises `InputError` for fields that do not match the grid.
     """
+    paint_map(ax, grid, P, u, streamlines=streamlines, peak_speed=peak_speed)
+    mark_edges(ax, grid)
+
+
+def mark_edges(ax: Any, grid: CylinderGrid) -> None:
+    """Put ticks at the edges of a map."""
+    ax.set_xticks([0, 2 * np.pi], ["0", "2π"])
+    ax.set_yticks([0, grid.length], ["0", f"{grid.length:g}"])
+
+
+def paint_map(
+    ax: Any,
+    grid: CylinderGrid,
+    P: npt.ArrayLike,
+    u: npt.ArrayLike,
+    *,
+    streamlines: bool = True,
+    peak_speed: float | None = None,
+    ribbons: Sequence[Ribbon] | None = None,
+    scale: float = SCALE,
+) -> None:
+    """Paint a map as `draw_map` does, and give the axes its limits, but leave their ticks alone.
+
+    `ribbons` are as in `cyclosis.figures.cylinder.draw`; `scale` multiplies the widths of lines, and the
+    distances between those found here.
+    """
     state, flow = grid.check_state(P), grid.check_state(u, "the flow")
     # Lines are looked for a little beyond the edges and clipped there, so that they run on seamlessly.
     window = (-_EDGE, 2 * np.pi + _EDGE)
@@ -45,9 +72,11 @@ def draw_map(
     )
     if streamlines:
         peak = float(np.hypot(*flow).max()) if peak_speed is None else peak_speed
-        lines, strength = stream_ribbons(grid, flow, window, peak, SCALE)
+        lines, strength = (
+            stream_ribbons(grid, flow, window, peak, scale)
+            if ribbons is None
+            else placed(ribbons, window, grid.length)
+        )
         paint(ax, lines, INK, strength)
-    paint(ax, zone_ribbons(grid, state, window, SCALE), ZONE)
+    paint(ax, zone_ribbons(grid, state, window, scale), ZONE)
     ax.set(xlim=(0, 2 * np.pi), ylim=(0, grid.length), aspect="equal")
-    ax.set_xticks([0, 2 * np.pi], ["0", "2π"])
-    ax.set_yticks([0, grid.length], ["0", f"{grid.length:g}"])

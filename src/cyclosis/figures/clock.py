@@ -1,0 +1,65 @@
+"""Time in pictures: a square-root axis, and which times the frames of a movie show."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from ..model.grid import Array
+
+STEADY_SHARE = 0.3
+"""Share of a movie that runs evenly on the square-root scale; the rest runs evenly along the way of P."""
+_TICK_ROOM = 0.14
+"""Least distance between ticks, as a fraction of the axis."""
+
+
+def time_axis(ax: Any, first: float, last: float) -> None:
+    """Give axes a horizontal axis of time from `first` to `last`, on a square-root scale.
+
+    Cyclosis forms early and settles late: this shows both, and time 0, which a logarithm would not.
+    """
+
+    def forward(t: Any) -> Any:
+        return np.sqrt(np.maximum(np.asarray(t) - first, 0.0))
+
+    ax.set_xscale("function", functions=(forward, lambda s: first + np.asarray(s) ** 2))
+    ax.set_xlim(first, last)
+    ax.set_xticks(ticks(first, last))
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.minorticks_off()
+
+
+def ticks(first: float, last: float) -> list[float]:
+    """Return round times from first to last that keep their distance on the square-root scale."""
+    if first == 0:
+        largest = int(np.floor(np.log10(last)))
+        candidates = [k * 10.0**e for e in range(largest, largest - 4, -1) for k in (5, 2, 1)]
+    else:
+        candidates = [float(t) for t in reversed(MaxNLocator(5).tick_values(first, last))]
+    chosen = [first]
+    ceiling = 1.0 + _TICK_ROOM
+    for time in [t for t in candidates if first < t <= last]:
+        place = np.sqrt((time - first) / (last - first))
+        if _TICK_ROOM <= place <= ceiling - _TICK_ROOM:
+            chosen.append(time)
+            ceiling = place
+    return sorted(chosen)
+
+
+def movie_times(times: Array, way: Array, count: int) -> Array:
+    """Return increasing times (count,) for the frames of a movie, from the first to the last saved.
+
+    `times` (n,) are those saved, `way` (n,) how far P has travelled by then. Most frames are spread
+    evenly along that way, so that fast changes are shown slowly; a share of them is spread over time
+    itself, so that the clock never stands still.
+    """
+    first, span = times[0], times[-1] - times[0]
+    share = STEADY_SHARE if way[-1] > 0 else 1.0
+    # The square root is steep at its start: points between the saved times keep its inverse smooth.
+    fine = np.union1d(times, first + span * np.linspace(0.0, 1.0, 2001) ** 2)
+    told = share * np.sqrt((fine - first) / span)
+    told += (1 - share) * np.interp(fine, times, way) / max(way[-1], 1e-300)
+    found: Array = np.interp(np.linspace(0.0, told[-1], count), told, fine)
+    return found

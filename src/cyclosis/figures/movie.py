@@ -1,0 +1,175 @@
+"""A run as a movie: the slowly turning cylinder beside the unwrapped map, the flow streaming over both."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from ..model.errors import InputError, number, whole
+from ..model.grid import Array, CylinderGrid, interpolate
+from .clock import movie_times
+from .encode import Output
+from .frames import at_hand, facing_zone, frame, grid_of, peak_speed, travelled
+from .scene import Pixels, Scene, Shot, Stage, draw_shot, open_stage
+from .tracers import Tracers
+
+PACE = 0.6
+"""Radii that the fastest flow carries a line in a second of the movie."""
+FADE = 0.5
+"""Seconds in which a line appears or disappears."""
+FINEST = 192
+"""States on finer grids are reduced to this many points in either direction: no picture shows more."""
+HEIGHT = 540
+"""Default height of a frame in pixels."""
+
+
+def movie(
+    dataset: Any,
+    paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    frames: int = 144,
+    seconds: float = 12.0,
+    turns: float = 0.5,
+    height: int = HEIGHT,
+    progress: Callable[[int, int], object] | None = None,
+    workers: int | None = None,
+) -> list[Path]:
+    """Write the movie of a run as MP4 or GIF, by suffix, and return the paths.
+
+    `dataset` is a run's `xarray.Dataset`. Several `paths` share the drawing. `frames` are spread over
+    `seconds` so that fast changes are shown slowly (see `cyclosis.figures.clock.movie_times`), from the
+    first to the last saved time; between saved times P and u are interpolated linearly. The cylinder
+    makes `turns` and ends with an indifferent zone in front. The lines stream at a pace set by the flow's
+    speed, but per second of the movie, not per unit of time. `height` is in pixels, a multiple of 18;
+    frames are 16:9, GIFs at most 324 pixels high. `progress(done, total)` is called after every frame.
+    `workers` processes draw, by default one per core; in a script that is not guarded by
+    `if __name__ == "__main__":` give 1. Raises `InputError` for bad arguments, fewer than 2 saved
+    frames, and places that cannot be written to.
+    """
+    grid = grid_of(dataset)
+    if dataset.sizes["time"] < 2:
+        raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
+    frames = whole("frames", frames, 2, 100_000, "choose a number of frames")
+    seconds = number("seconds", seconds, 0.1, 3600.0, "choose a duration")
+    turns = number("turns", turns, -100.0, 100.0, "choose a number of turns")
+    height = whole("height", height, 90, 4320, "choose a number of pixels")
+    if height % 18:
+        raise InputError("height", height, "a multiple of 18, so that frames are 16:9", "choose 540 or 720")
+    processes = _processes(workers)
+    listed = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+    if not listed:
+        raise InputError("paths", listed, "at least one file name", "give the movie a name")
+    with ExitStack() as stack:
+        rate = Fraction(frames / seconds).limit_denominator(1000)
+        outputs = [stack.enter_context(Output(path, rate)) for path in listed]
+        dataset = at_hand(dataset)
+        shots = _shots(dataset, grid, frames, seconds, turns)
+        for done, pixels in enumerate(_drawn(_scene(dataset, grid, height), shots, processes), 1):
+            for output in outputs:
+                output.add(pixels)
+            if progress is not None:
+                progress(done, frames)
+    return [output.path for output in outputs]
+
+
+def _processes(workers: int | None) -> int:
+    most = min(8, os.cpu_count() or 1) if workers is None else workers
+    processes = whole("workers", most, 1, 256, "choose a number of processes")
+    # A script that is not guarded is run again by every process it starts: this is where that ends.
+    if processes > 1 and multiprocessing.parent_process() is not None:
+        raise _unguarded(processes)
+    return processes
+
+
+def _unguarded(processes: int) -> InputError:
+    rule = "1 where no other processes can be started, as in a script without `if __name__ == '__main__':`"
+    return InputError("workers", processes, rule, "give 1, or guard the script")
+
+
+def _light(grid: CylinderGrid) -> CylinderGrid:
+    """Return a grid that is fine enough for pictures, and no finer than the one given."""
+    return grid.resized(min(grid.n_theta, FINEST), min(grid.n_z, FINEST))
+
+
+def _scene(dataset: xarray.Dataset, grid: CylinderGrid, height: int) -> Scene:
+    times, order = _order(dataset)
+    return Scene(_light(grid), times, order, height)
+
+
+def _order(dataset: xarray.Dataset) -> tuple[Array, Array]:
+    """Return the order over time, from the first to the last saved time."""
+    if "order" in dataset:
+        values = dataset["order"]
+        return values[values.dims[0]].values, values.values
+    states = (frame(dataset, index)[0] for index in range(dataset.sizes["time"]))
+    order = [np.sqrt(np.mean(np.sum(P**2, axis=0))) for P in states]
+    return dataset["time"].values, np.array(order)
+
+
+def _shots(
+    dataset: xarray.Dataset, grid: CylinderGrid, count: int, seconds: float, turns: float
+) -> Iterator[Shot]:
+    """Yield what the frames show, in order."""
+    saved, light = dataset["time"].values, _light(grid)
+    recorded, order = _order(dataset)
+    peak = peak_speed(dataset)
+    tracers = Tracers(light, FADE * count / seconds)
+    last = facing_zone(frame(dataset, -1)[0])
+    views = last - 2 * np.pi * turns * np.linspace(1.0, 0.0, count)
+    fields = _Between(dataset)
+    times = movie_times(saved, travelled(dataset), count)
+    for view, time in zip(views.tolist(), times.tolist(), strict=True):
+        P, u = (interpolate(field, light.shape) for field in fields.at(time))
+        ribbons = tracers.advance(u, peak, PACE * seconds / count)
+        yield Shot(P, u, ribbons, view, time, float(np.interp(time, recorded, order)))
+
+
+class _Between:
+    """The fields of a run between its saved times; keeps the two frames in use."""
+
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self.dataset, self.times = dataset, dataset["time"].values
+        self.before = -1
+        self.pair: list[tuple[Array, Array]] = []
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """Return P and u, both (2, n_theta, n_z), at a time."""
+        before = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, self.times.size - 2))
+        if before != self.before:
+            self.before, self.pair = before, [frame(self.dataset, before), frame(self.dataset, before + 1)]
+        start, stop = self.times[before : before + 2]
+        share = (time - start) / (stop - start)
+        (P, u), (next_P, next_u) = self.pair
+        return P + share * (next_P - P), u + share * (next_u - u)
+
+
+def _drawn(scene: Scene, shots: Iterator[Shot], processes: int) -> Iterator[Pixels]:
+    """Yield the frames' pictures in order, drawn in this process or in several others."""
+    if processes == 1:
+        stage = Stage(scene)
+        yield from map(stage.drawn, shots)
+        return
+    # Fresh processes, because a copy of one that has used JAX may hang.
+    fresh = multiprocessing.get_context("spawn")
+    try:
+        with ProcessPoolExecutor(processes, fresh, open_stage, (scene,)) as pool:
+            waiting: deque[Future[Pixels]] = deque()
+            for shot in shots:
+                waiting.append(pool.submit(draw_shot, shot))
+                if len(waiting) > 3 * processes:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+    except BrokenProcessPool as error:
+        raise _unguarded(processes) from error

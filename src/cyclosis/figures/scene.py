@@ -1,0 +1,170 @@
+"""The frames of a movie: the cylinder beside the unwrapped map, the clock, and the order so far.
+
+Frames are drawn in worker processes, which import this module alone: nothing here may load JAX.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from ..model.grid import Array, CylinderGrid
+from . import cylinder
+from .clock import time_axis
+from .ribbons import Ribbon
+from .style import INK, QUIET, TYPE, blank, colour_key, place
+from .unwrapped import mark_edges, paint_map
+
+Pixels = npt.NDArray[np.uint8]
+
+# Places in millimetres; a frame is 160 x 90.
+_WIDTH, _HEIGHT = 160.0, 90.0
+_FLOOR, _CEILING, _SIDE, _APART, _KEY, _KEY_ROOM = 22.5, 8.5, 11.0, 10.0, 3.0, 13.0
+_TRACE = (16.0, 7.5, 128.0, 8.0)
+# Hinting distorts letters as small as these.
+_TYPE = TYPE | {
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "text.hinting": "none",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What one frame shows, dimensionless.
+
+    The state `P` and flow `u` (2, n_theta, n_z), streamlines as ribbons, the angle (radians) that faces
+    the viewer, the time, and the order then.
+    """
+
+    P: Array
+    u: Array
+    ribbons: Sequence[Ribbon]
+    view_angle: float
+    time: float
+    order: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What all frames of a movie share: the grid, order (n,) over times (n,), and the height in pixels."""
+
+    grid: CylinderGrid
+    times: Array
+    order: Array
+    height: int
+
+
+class Stage:
+    """A scene set up for drawing: what stays the same is drawn once, each frame only adds to it."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        with matplotlib.rc_context(_TYPE):
+            self.figure = blank(_WIDTH, _HEIGHT)
+            # A little more than asked for, because matplotlib rounds sizes down.
+            self.figure.set_dpi((scene.height + 1e-3) / self.figure.get_size_inches()[1])
+            canvas: Any = FigureCanvasAgg(self.figure)
+            self._cell()
+            self._trace()
+            canvas.draw()
+            self.canvas, self.still = canvas, canvas.copy_from_bbox(self.figure.bbox)
+
+    def drawn(self, shot: Shot) -> Pixels:
+        """Return the picture (height, width, 3) of one frame, top row first."""
+        self._set(shot)
+        self.canvas.restore_region(self.still)
+        with matplotlib.rc_context(_TYPE):
+            for ax in (self.solid, self.flat):
+                for artist in sorted(_contents(ax), key=lambda part: part.get_zorder()):
+                    ax.draw_artist(artist)
+            for artist in [*self.flat.spines.values(), self.past, self.now, self.clock, self.reading]:
+                self.figure.draw_artist(artist)
+        return np.array(np.asarray(self.canvas.buffer_rgba())[..., :3])
+
+    def _set(self, shot: Shot) -> None:
+        """Replace what changes from frame to frame."""
+        grid, times, order = self.scene.grid, self.scene.times, self.scene.order
+        for artist in [*_contents(self.solid), *_contents(self.flat)]:
+            artist.remove()
+        cylinder.draw(
+            self.solid,
+            grid,
+            shot.P,
+            shot.u,
+            view_angle=shot.view_angle,
+            ribbons=shot.ribbons,
+            pixels=self.pixels,
+        )
+        paint_map(self.flat, grid, shot.P, shot.u, ribbons=shot.ribbons, scale=1.0)
+        past = times < shot.time
+        self.past.set_data(np.append(times[past], shot.time), np.append(order[past], shot.order))
+        self.now.set_data([shot.time], [shot.order])
+        self.clock.set_text(f"$t$ = {shot.time:.1f}")
+        self.reading.set_text(f"order {shot.order:.2f}")
+
+    def _cell(self) -> None:
+        """Place cylinder, map, the readings above them, and the key, on one scale."""
+        grid, type_size = self.scene.grid, 11.0
+        left, right, bottom, top = cylinder.extent(grid.length)
+        across, up, around = right - left, top - bottom, 2 * np.pi
+        room, breadth = _HEIGHT - _FLOOR - _CEILING, _WIDTH - 2 * _SIDE - _APART - _KEY_ROOM
+        scale = min(room / up, breadth / (across + around))
+        self.pixels = max(8, round(scale * across * self.scene.height / _HEIGHT))
+        start = 0.5 * (_WIDTH - scale * (across + around) - _APART - _KEY_ROOM)
+        floor = _FLOOR + 0.5 * (room - scale * up)
+        above = (floor + scale * up + 2.0) / _HEIGHT
+        self.solid = place(self.figure, start, floor, scale * across, scale * up)
+        self.solid.set_axis_off()
+        self.clock = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
+        start, floor = start + scale * across + _APART, floor + 0.5 * scale * (up - grid.length)
+        self.flat = place(self.figure, start, floor, scale * around, scale * grid.length)
+        self.flat.set(xlim=(0, around), ylim=(0, grid.length))
+        mark_edges(self.flat, grid)
+        self.flat.set_xlabel("$θ$", labelpad=-7.0)
+        self.flat.set_ylabel("$z$", rotation=0, labelpad=-1.0, va="center")
+        self.reading = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
+        start += scale * around + _KEY_ROOM - 8.0
+        colour_key(place(self.figure, start, floor, _KEY, scale * grid.length))
+
+    def _trace(self) -> None:
+        """Draw the order of the whole run in grey; its past is drawn over it in ink."""
+        times, order = self.scene.times, self.scene.order
+        ax = place(self.figure, *_TRACE)
+        ax.plot(times, order, color=QUIET, linewidth=0.8)
+        (self.past,) = ax.plot([], [], color=INK, linewidth=1.4, animated=True)
+        (self.now,) = ax.plot([], [], "o", color=INK, markersize=4.0, clip_on=False, animated=True)
+        ax.set_ylim(0, 1)
+        time_axis(ax, float(times[0]), float(times[-1]))
+        ax.set_yticks([0, 1])
+        ax.set_ylabel("order", labelpad=2.0)
+        ax.set_xlabel("$t$", labelpad=-6.0, x=1.03)
+        ax.spines[["top", "right"]].set_visible(False)
+
+
+def _contents(ax: Any) -> list[Any]:
+    return [*ax.images, *ax.collections, *ax.patches]
+
+
+_stage: Stage | None = None
+
+
+def open_stage(scene: Scene) -> None:
+    """Set up a scene in this process for the shots to come."""
+    global _stage
+    _stage = Stage(scene)
+
+
+def draw_shot(shot: Shot) -> Pixels:
+    """Return the picture of one frame of the scene that was set up in this process."""
+    if _stage is None:
+        raise RuntimeError("no scene was set up in this process")
+    return _stage.drawn(shot)

@@ -1,0 +1,285 @@
+"""A run that was stopped, saved, killed or starved goes on bitwise as if nothing had happened."""
+
+import errno
+import random
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+import cyclosis as cy
+from cyclosis.dataset import guarded, unfinished
+from cyclosis.dataset.netcdf import digest
+from measure.files import COMMAND, SETTINGS, call, differences, environment, everything, killing
+
+GRID = cy.CylinderGrid(32, 24, 5.0)
+PARAMS = cy.Parameters(alpha_p=np.full(GRID.shape, 0.9))
+STATE = cy.initial.disordered(GRID, 100)
+STEPPERS = {
+    "adaptive": {"stepper": "adaptive"},
+    "etdrk4": {"stepper": "etdrk4", "dt": 0.07},
+    "rk4": {"stepper": "rk4", "dt": 0.03},
+    "float32": {"precision": "float32"},
+}
+
+
+def stream(path, t_end=12.0, checkpoint_seconds=1e9, **settings):
+    writer = cy.RunWriter(path)
+    settings = {
+        "checkpoint": writer,
+        "checkpoint_seconds": checkpoint_seconds,
+        "record_every": 0.5,
+    } | settings
+    writer.finish(cy.simulate(PARAMS, GRID, STATE, t_end, 2.0, **settings))
+    return path
+
+
+@pytest.fixture(scope="module", params=STEPPERS)
+def straight(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp(request.param)
+    return stream(folder / "straight.nc", **STEPPERS[request.param]), STEPPERS[request.param], folder
+
+
+def test_the_same_seed_twice(straight, tmp_path):
+    path, settings, _ = straight
+    assert differences(path, stream(tmp_path / "again.nc", **settings)) == []
+
+
+def test_checkpoints_change_nothing(straight, tmp_path):
+    path, settings, _ = straight
+    assert differences(path, stream(tmp_path / "often.nc", checkpoint_seconds=0.0, **settings)) == []
+
+
+def test_a_file_streamed_equals_a_file_written_from_memory(straight, tmp_path):
+    path, settings, _ = straight
+    run = cy.simulate(PARAMS, GRID, STATE, 12.0, 2.0, record_every=0.5, **settings)
+    assert differences(path, cy.write(run, tmp_path / "memory.nc")) == []
+
+
+def test_stopping_at_a_saved_time_and_going_on(straight, tmp_path):
+    path, settings, _ = straight
+    stopped = stream(tmp_path / "run.nc", t_end=6.0, **settings)
+    cy.resume_file(stopped, t_end=12.0)
+    assert differences(path, stopped) == []
+
+
+def test_stopping_in_memory_and_going_on(straight):
+    _, settings, _ = straight
+    whole = cy.simulate(PARAMS, GRID, STATE, 12.0, 2.0, record_every=0.5, **settings)
+    half = cy.simulate(PARAMS, GRID, STATE, 6.0, 2.0, record_every=0.5, **settings)
+    onward = cy.resume(half, 12.0)
+    assert np.array_equal(onward.final_state, whole.final_state)
+    assert onward.times.tolist() == whole.times.tolist()
+    assert all(np.array_equal(onward.records[n], whole.records[n]) for n in whole.records)
+    assert len(half.frames) == 4, "the first half keeps its own frames"
+
+
+def test_interrupting_between_saved_times_and_going_on(straight, tmp_path):
+    """Interruption falls where the clock says, in the middle of a way between two saved times."""
+    path, settings, _ = straight
+
+    def stop(snapshot):
+        if snapshot.t > 3.1:
+            raise KeyboardInterrupt
+
+    writer = cy.RunWriter(tmp_path / "run.nc")
+    run = cy.simulate(
+        PARAMS, GRID, STATE, 12.0, 2.0, record_every=0.5, checkpoint=writer, progress=stop, **settings
+    )
+    assert run.status == "interrupted"
+    writer.finish(run)
+    cy.resume_file(tmp_path / "run.nc")
+    assert differences(path, tmp_path / "run.nc") == []
+
+
+def test_ctrl_c_saves_says_how_to_resume_and_exits_130(tmp_path):
+    arguments = ["run", *SETTINGS, "--out", "run.nc", "--checkpoint-seconds", "0"]
+    process = subprocess.Popen(
+        [*COMMAND, *arguments], cwd=tmp_path, env=environment(tmp_path), stdout=subprocess.PIPE, text=True
+    )
+    parts = unfinished.folder_of(tmp_path / "run.nc")
+    while len(list(parts.glob("[0-9]*.nc"))) < 3:
+        time.sleep(0.01)
+        assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    out = process.communicate(timeout=120)[0]
+    assert process.returncode == 130
+    assert "cyclosis resume run.nc" in out
+    assert call(tmp_path, "resume", "run.nc", "--quiet").returncode == 0
+    assert call(tmp_path, "run", *SETTINGS, "--out", "straight.nc").returncode == 0
+    assert differences(tmp_path / "straight.nc", tmp_path / "run.nc") == []
+
+
+def test_kill_9_at_random_moments(tmp_path):
+    assert killing(tmp_path, rounds=2, seed=11) == []
+
+
+@pytest.mark.slow
+def test_kill_9_at_many_random_moments(tmp_path):
+    assert killing(tmp_path, rounds=12, seed=5) == []
+
+
+def test_a_disk_that_fills_up_at_any_write_keeps_what_was_saved(tmp_path, monkeypatch):
+    """Every write to the disk fails in turn; each time one sentence, a readable rest, and the same end."""
+    settings = STEPPERS["adaptive"]
+    good = stream(tmp_path / "good.nc", checkpoint_seconds=0.0, **settings)
+    counter = {"left": 0}
+
+    class Disk:
+        """A raw file whose writes fail once the disk is full."""
+
+        def __init__(self, path, mode, buffering):
+            self._raw = open(path, mode, buffering=buffering)  # noqa: SIM115
+
+        def write(self, data):
+            counter["left"] -= 1
+            if counter["left"] < 0:
+                raise OSError(errno.ENOSPC, "No space left on device")
+            return self._raw.write(data)
+
+        def __getattr__(self, name):
+            return getattr(self._raw, name)
+
+    monkeypatch.setattr(guarded, "open", Disk, raising=False)
+    counter["left"] = 10**9
+    stream(tmp_path / "counted.nc", checkpoint_seconds=0.0, **settings)
+    writes = 10**9 - counter["left"]
+    for fails_at in sorted(random.Random(3).sample(range(writes), 8)):
+        counter["left"] = fails_at
+        target = tmp_path / f"full-{fails_at}.nc"
+        with pytest.raises(cy.InputError, match="free some disk space"):
+            stream(target, checkpoint_seconds=0.0, **settings)
+        counter["left"] = 10**9
+        assert not target.exists()
+        if unfinished.is_unfinished(target):
+            cy.open_dataset(target).close()
+            cy.resume_file(target)
+            assert differences(good, target) == [], fails_at
+
+
+def test_a_diverged_run_keeps_its_checkpoints_and_is_not_resumed(tmp_path):
+    writer = cy.RunWriter(tmp_path / "run.nc")
+    run = cy.simulate(
+        cy.Parameters(),
+        GRID,
+        STATE,
+        50.0,
+        1.0,
+        stepper="rk4",
+        dt=0.5,
+        checkpoint=writer,
+        checkpoint_seconds=0.0,
+    )
+    assert run.status == "diverged"
+    stored = sorted(unfinished.folder_of(tmp_path / "run.nc").glob("*.nc"))
+    for part in stored:
+        restart = everything(part)
+        assert np.all(np.isfinite(restart["restart/spectrum"]))
+        assert not restart["restart/failed"]
+    writer.finish(run)
+    state = everything(tmp_path / "run.nc")["P"][-1]
+    assert np.hypot(*state).max() <= 1.01 + 1e-9
+    with pytest.raises(cy.InputError, match="diverged"):
+        cy.resume_file(tmp_path / "run.nc", t_end=100.0)
+
+
+def test_altered_files_are_named_or_the_change_touched_nothing(tmp_path):
+    """Flip one byte anywhere: the file is refused, or not one bit of its contents has changed."""
+    path = stream(tmp_path / "run.nc", **STEPPERS["adaptive"])
+    whole, rng, refused = path.read_bytes(), random.Random(1), 0
+    for _ in range(60):
+        spot = rng.randrange(len(whole))
+        altered = tmp_path / "altered.nc"
+        altered.write_bytes(whole[:spot] + bytes([whole[spot] ^ (1 << rng.randrange(8))]) + whole[spot + 1 :])
+        message = refusal(altered)
+        refused += bool(message)
+        assert "altered" in message or differences(path, altered) == [], spot
+    assert refused > 30
+
+
+def refusal(path):
+    try:
+        cy.load(path)
+    except cy.InputError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
+def test_truncated_files_are_named(tmp_path, share):
+    path = stream(tmp_path / "run.nc", t_end=2.0)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(len(whole) * share)])
+    for use in (cy.open_dataset, cy.load, cy.resume_file):
+        with pytest.raises(cy.InputError, match=r"truncated or altered"):
+            use(path)
+
+
+@pytest.mark.parametrize(("schema", "remedy"), [(0, "version that wrote it"), (99, "update cyclosis")])
+def test_files_of_another_schema_are_refused(tmp_path, schema, remedy):
+    path = stream(tmp_path / "run.nc", t_end=2.0)
+    with h5py.File(path, "a") as file:
+        file.attrs["schema"] = schema
+        file.attrs["digest"] = digest(file)
+    for use in (cy.open_dataset, cy.load):
+        with pytest.raises(cy.InputError, match=remedy):
+            use(path)
+
+
+def test_an_unfinished_run_is_in_nobodys_way_and_nobody_in_its(tmp_path):
+    writer = cy.RunWriter(tmp_path / "run.nc")
+    run = cy.simulate(PARAMS, GRID, STATE, 4.0, 2.0, checkpoint=writer)
+    assert unfinished.is_unfinished(tmp_path / "run.nc")
+    assert cy.open_dataset(tmp_path / "run.nc").sizes["time"] == 0
+    with pytest.raises(cy.InputError, match="cyclosis resume"):
+        cy.RunWriter(tmp_path / "run.nc")
+    writer.finish(run)
+    assert not unfinished.is_unfinished(tmp_path / "run.nc")
+    assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_user_term_is_needed_again_to_go_on(tmp_path):
+    def pull(t, P, u, params, grid):
+        return -0.1 * P
+
+    terms = [*cy.TERMS, pull]
+    whole = cy.simulate(PARAMS, GRID, STATE, 4.0, 2.0, terms=terms)
+    path = cy.write(cy.simulate(PARAMS, GRID, STATE, 2.0, 2.0, terms=terms), tmp_path / "run.nc")
+    with pytest.raises(cy.InputError, match="pull"):
+        cy.resume_file(path, 4.0)
+    with pytest.raises(cy.InputError, match="those of the run"):
+        cy.resume_file(path, 4.0, terms=[pull])
+    assert np.array_equal(cy.resume_file(path, 4.0, terms=terms).final_state, whole.final_state)
+
+
+@pytest.mark.parametrize("t_end", [1.0, 2.0])
+def test_there_must_be_something_left_to_do(tmp_path, t_end):
+    path = stream(tmp_path / "run.nc", t_end=2.0)
+    with pytest.raises(cy.InputError, match="later than the time reached"):
+        cy.resume_file(path, t_end)
+
+
+def test_the_cost_of_a_checkpoint_does_not_grow(tmp_path):
+    """The parts of a long run are no larger than those of its beginning."""
+    writer = cy.RunWriter(tmp_path / "run.nc")
+    sizes = []
+
+    def spy(run):
+        writer(run)
+        sizes.append(max(unfinished.folder_of(tmp_path / "run.nc").glob("*.nc")).stat().st_size)
+
+    cy.simulate(
+        PARAMS,
+        GRID,
+        STATE,
+        60.0,
+        0.5,
+        checkpoint=spy,
+        checkpoint_seconds=0.0,
+        progress=lambda now: time.sleep(0.01),
+    )
+    assert len(sizes) > 60
+    assert max(sizes[-20:]) <= 1.5 * max(sizes[5:25])
