@@ -11,6 +11,8 @@ demo: $(VENV)/installed
 	@mkdir -p results
 	@$(BIN)/cyclosis run --config examples/figure4.toml --out results/figure4.nc --force
 	@$(BIN)/cyclosis figure emergence results/figure4.nc --out results/figure4.png --force
+	@$(BIN)/cyclosis figure history results/figure4.nc --out results/figure4-history.png --force
+	@$(BIN)/cyclosis movie results/figure4.nc --force
 
 test: $(VENV)/installed lint
 	$(BIN)/python -m pytest -n 2 -m "not slow"

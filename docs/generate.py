@@ -22,7 +22,8 @@ def settings() -> str:
         + "# Settings\n\nThe tables of `run.toml` and the options of `cyclosis run`. All values are dimensionless.\n"
     )
     for table, items in TABLES.items():
-        out += f"\n## [{table}]\n\n| name | option | symbol | meaning | allowed | default |\n|---|---|---|---|---|---|\n"
+        out += f"\n## [{table}]\n\n| name | option | symbol | meaning | allowed | default |\n"
+        out += "|---|---|---|---|---|---|\n"
         for item in items:
             default = (
                 "all" if isinstance(item.default, tuple) else "-" if item.default is None else item.default

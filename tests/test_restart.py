@@ -124,7 +124,7 @@ def test_kill_9_at_many_random_moments(tmp_path):
 
 def test_a_disk_that_fills_up_at_any_write_keeps_what_was_saved(tmp_path, monkeypatch):
     """Every write to the disk fails in turn; each time one sentence, a readable rest, and the same end."""
-    settings = STEPPERS["adaptive"]
+    settings = STEPPERS["adaptive"] | {"t_end": 4.0}
     good = stream(tmp_path / "good.nc", checkpoint_seconds=0.0, **settings)
     counter = {"left": 0}
 
@@ -147,7 +147,7 @@ def test_a_disk_that_fills_up_at_any_write_keeps_what_was_saved(tmp_path, monkey
     counter["left"] = 10**9
     stream(tmp_path / "counted.nc", checkpoint_seconds=0.0, **settings)
     writes = 10**9 - counter["left"]
-    for fails_at in sorted(random.Random(3).sample(range(writes), 8)):
+    for fails_at in sorted(random.Random(3).sample(range(writes), 6)):
         counter["left"] = fails_at
         target = tmp_path / f"full-{fails_at}.nc"
         with pytest.raises(cy.InputError, match="free some disk space"):
@@ -271,15 +271,6 @@ def test_the_cost_of_a_checkpoint_does_not_grow(tmp_path):
         writer(run)
         sizes.append(max(unfinished.folder_of(tmp_path / "run.nc").glob("*.nc")).stat().st_size)
 
-    cy.simulate(
-        PARAMS,
-        GRID,
-        STATE,
-        60.0,
-        0.5,
-        checkpoint=spy,
-        checkpoint_seconds=0.0,
-        progress=lambda now: time.sleep(0.01),
-    )
-    assert len(sizes) > 60
-    assert max(sizes[-20:]) <= 1.5 * max(sizes[5:25])
+    cy.simulate(PARAMS, GRID, STATE, 60.0, 2.0, checkpoint=spy, checkpoint_seconds=0.0)
+    assert len(sizes) > 30
+    assert max(sizes[-10:]) <= 1.1 * max(sizes[2:12])

@@ -162,26 +162,81 @@ def doctor() -> None:
     print(report.machine())
 
 
+TARGET = Annotated[Path | None, typer.Option("--out", help="File to write; by default beside FILE.")]
+
+
 @figures.command()
 def emergence(
     file: FILE,
-    out: Annotated[Path | None, typer.Option(help="PNG or PDF to write; by default beside FILE.")] = None,
-    times: Annotated[
-        str | None, typer.Option(help="Times of the six cylinders, separated by commas.")
-    ] = None,
+    out: TARGET = None,
+    times: Annotated[str | None, typer.Option(help="Times of the cylinders, separated by commas.")] = None,
+    map_times: Annotated[str | None, typer.Option(help="Which of them to show unwrapped as well.")] = None,
     force: FORCE = False,
 ) -> None:
-    """Draw the emergence of streaming: six times on the cylinder, three of them unwrapped."""
-    from . import dataset
+    """Draw the emergence of streaming: six times on the cylinder, three of them unwrapped (PNG or PDF)."""
     from .figures import emergence as figure
+
+    shown, mapped = (None if text is None else _TIMES.parse(text) for text in (times, map_times))
+    target = out or file.with_suffix(".png")
+    _draw(file, target, force, lambda data: figure.emergence(data, times=shown, map_times=mapped))
+
+
+@figures.command()
+def history(file: FILE, out: TARGET = None, force: FORCE = False) -> None:
+    """Draw order, speed, stripes and power over time, and the final profile against theory (PNG or PDF)."""
+    from .figures import history as figure
+
+    target = out or file.with_name(f"{file.stem}-history.png")
+    _draw(file, target, force, figure.history)
+
+
+def _draw(file: Path, target: Path, force: bool, figure: Callable[[Any], Any]) -> None:
+    from . import dataset
     from .figures import style
 
-    target = out or file.with_suffix(".png")
     dataset.check_writable(target, force)
-    chosen = None if times is None else _TIMES.parse(times)
     with dataset.open_dataset(file) as data:
-        style.save(figure.emergence(data, times=chosen), target)
+        style.save(figure(data), target)
     print(f"saved {target}")
+
+
+@app.command()
+def movie(
+    file: FILE,
+    out: Annotated[
+        list[Path] | None, typer.Option(help="MP4 or GIF; may be repeated. By default both beside FILE.")
+    ] = None,
+    frames: Annotated[int, typer.Option(help="Number of frames.")] = 144,
+    seconds: Annotated[float, typer.Option(help="Length of the movie in seconds.")] = 12.0,
+    force: FORCE = False,
+    quiet: QUIET = False,
+) -> None:
+    """Draw a movie: the slowly turning cylinder beside the unwrapped map, with the flow."""
+    from . import dataset
+    from .figures import movie as figure
+    from .progress import Bar
+
+    targets = out or [file.with_suffix(".mp4"), file.with_suffix(".gif")]
+    for target in targets:
+        dataset.check_writable(target, force)
+    with dataset.open_dataset(file) as data, Bar("frames", hidden=quiet) as bar:
+        figure.movie(data, targets, frames=frames, seconds=seconds, progress=bar)
+    print("saved " + ", ".join(map(str, targets)))
+
+
+@app.command()
+def export(
+    file: FILE,
+    out: Annotated[Path | None, typer.Option(help="Folder to write; by default FILE without suffix.")] = None,
+    force: FORCE = False,
+) -> None:
+    """Export every saved field to VTK files of the cylinder's surface, for ParaView."""
+    from . import dataset
+
+    folder = out or file.with_suffix("")
+    with dataset.open_dataset(file) as data:
+        collection = dataset.export_vtk(data, folder, force)
+    print(f"saved {collection}")
 
 
 _TIMES = Definition("times", "t", "times", None, "numbers", 0.0, 1e9)

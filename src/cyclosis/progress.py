@@ -1,4 +1,4 @@
-"""The live progress of a run on a terminal: time reached, regime so far, time left."""
+"""Live progress on a terminal; nothing is shown where there is none."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 from types import TracebackType
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from .analysis.regimes import regime
 from .dynamics.run import Snapshot
@@ -46,3 +46,26 @@ class RunProgress:
         if self.shown:
             name = regime(self.params, self.grid, now.state).name
             self.bar.update(self.task, completed=now.t / now.t_end, t=f"{now.t:.1f}", regime=name)
+
+
+class Bar:
+    """A context that shows how many of a number of things are done."""
+
+    def __init__(self, name: str, hidden: bool = False) -> None:
+        shown = not hidden and sys.stderr.isatty()
+        columns = (TextColumn(name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(compact=True))
+        self.bar = Progress(*columns, console=Console(stderr=True), disable=not shown, transient=True)
+        self.task = self.bar.add_task(name, total=None)
+
+    def __enter__(self) -> Bar:
+        self.bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.bar.stop()
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show that `done` of `total` are done."""
+        self.bar.update(self.task, completed=done, total=total)

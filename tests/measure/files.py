@@ -13,25 +13,11 @@ import h5netcdf
 import numpy as np
 
 COMMAND = [sys.executable, "-c", "from cyclosis.cli import main; main()"]
-SETTINGS = [
-    "--n-theta",
-    "32",
-    "--n-z",
-    "24",
-    "--d-s",
-    "0.1",
-    "--t-end",
-    "30",
-    "--save-every",
-    "0.5",
-    "--stepper",
-    "etdrk4",
-    "--dt",
-    "0.02",
-    "--filaments-per-square",
-    "100",
-    "--quiet",
-]
+TEXT = (
+    "--n-theta 32 --n-z 24 --d-s 0.1 --t-end 30 --save-every 2 --stepper etdrk4 --dt 0.02 "
+    "--filaments-per-square 100 --quiet"
+)
+SETTINGS = TEXT.split()
 
 
 def everything(path: Path) -> dict[str, np.ndarray]:

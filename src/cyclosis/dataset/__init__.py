@@ -13,3 +13,4 @@ from .convert import to_dataset as to_dataset
 from .convert import write as write
 from .unfinished import RunWriter as RunWriter
 from .unfinished import resume_file as resume_file
+from .vtk import export_vtk as export_vtk

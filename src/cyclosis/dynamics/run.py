@@ -134,6 +134,7 @@ class Run:
             began = clock.perf_counter()
             now = advance(self.cell, self.control, now, np.float64(target), np.int64(steps), adaptive)
             now.t.block_until_ready()
+            steps = int(np.clip(steps * CHUNK_SECONDS / (clock.perf_counter() - began), 1, 4096))
             try:
                 if self.report is not None:
                     self.report(Snapshot(float(now.t), self.how.t_end, self._state(now), self._wall()))
@@ -143,7 +144,6 @@ class Run:
                 break
             if clock.perf_counter() - self.last_checkpoint >= self.checkpoint_seconds:
                 self._save(now)
-            steps = int(np.clip(steps * CHUNK_SECONDS / (clock.perf_counter() - began), 1, 4096))
         return now
 
     def _steady(self, now: Progress) -> bool:

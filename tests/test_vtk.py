@@ -1,0 +1,57 @@
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+import cyclosis as cy
+from cyclosis.dataset import export_vtk
+
+GRID = cy.CylinderGrid(16, 12, 3.0)
+
+
+@pytest.fixture(scope="module")
+def data():
+    run = cy.simulate(cy.Parameters(), GRID, cy.initial.stripes(GRID), t_end=1.0, save_every=0.5)
+    return run.to_dataset()
+
+
+def read(path):
+    """Return the points and point data of a .vts file with appended raw data, read by its own rules."""
+    raw = path.read_bytes()
+    head, _, tail = raw.partition(b'<AppendedData encoding="raw">')
+    start = tail.index(b"_") + 1
+    root = ET.fromstring(head + b"</VTKFile>")
+    out = {}
+    for array in root.iter("DataArray"):
+        offset = start + int(array.get("offset"))
+        size = int(np.frombuffer(tail, np.uint64, 1, offset)[0])
+        values = np.frombuffer(tail, np.float64, size // 8, offset + 8)
+        parts = int(array.get("NumberOfComponents", "1"))
+        out[array.get("Name")] = values.reshape(-1, parts) if parts > 1 else values
+    return out
+
+
+def test_vectors_lie_on_the_surface_and_keep_their_length(data, tmp_path):
+    collection = export_vtk(data, tmp_path / "run")
+    times = [float(item.get("timestep")) for item in ET.parse(collection).iter("DataSet")]
+    assert times == [0.0, 0.5, 1.0]
+    stored = read(tmp_path / "run" / "frame-00002.vts")
+    points, P = stored["points"], stored["P"]
+    assert points.shape == (17 * 13, 3)
+    assert np.hypot(points[:, 0], points[:, 1]) == pytest.approx(np.ones(17 * 13))
+    assert points[:, 2].max() == pytest.approx(3.0)
+    assert np.sum(P[:, :2] * points[:, :2], axis=1) == pytest.approx(np.zeros(17 * 13), abs=1e-15)
+    assert P[:, 2] == pytest.approx(stored["P_z"])
+    state = data.P.values[-1]
+    closed = np.pad(state, ((0, 0), (0, 1), (0, 1)), mode="wrap")
+    assert np.linalg.norm(P, axis=1) == pytest.approx(np.hypot(*closed).ravel(order="F"))
+
+
+def test_a_folder_in_use_is_left_alone(data, tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "precious").write_text("x")
+    with pytest.raises(cy.InputError, match="force"):
+        export_vtk(data, tmp_path / "run")
+    export_vtk(data, tmp_path / "run", force=True)
+    with pytest.raises(cy.InputError, match="folder"):
+        export_vtk(data, tmp_path / "no" / "run")
