@@ -17,10 +17,8 @@ NOTE = "<!-- Written by docs/generate.py from the definitions in the code. -->\n
 
 def settings() -> str:
     """Return the page of every setting."""
-    out = (
-        NOTE
-        + "# Settings\n\nThe tables of `run.toml` and the options of `cyclosis run`. All values are dimensionless.\n"
-    )
+    out = NOTE + "# Settings\n\nThe tables of `run.toml` and the options of `cyclosis run`. "
+    out += "All values are dimensionless.\n"
     for table, items in TABLES.items():
         out += f"\n## [{table}]\n\n| name | option | symbol | meaning | allowed | default |\n"
         out += "|---|---|---|---|---|---|\n"

@@ -19,7 +19,7 @@ import h5py
 
 from ..dynamics.run import Snapshot
 from ..dynamics.simulate import CHECKPOINT_SECONDS, resume
-from ..dynamics.trajectory import Trajectory
+from ..dynamics.trajectory import Status, Trajectory
 from ..model.errors import InputError
 from ..model.filaments import TermLike
 from .contents import of_trajectory
@@ -99,6 +99,10 @@ class RunWriter:
     def finish(self, run: Trajectory) -> Path:
         """Write the last part, join all into the file, and return its path."""
         self(run)
+        return self.join()
+
+    def join(self) -> Path:
+        """Join the parts that stand into the file, and return its path."""
         whole = joined(parts(self.target))
         for mark in MARKS:
             whole.attributes.pop(mark, None)
@@ -126,6 +130,9 @@ def resume_file(
     run = load(path, terms, fields=False)
     writer = RunWriter(path, continues=True)
     writer.frames, writer.records = len(run.frames), run.record_times.size
+    if writer.number and run.status is not Status.INTERRUPTED and (t_end or 0.0) <= run.t_final:
+        writer.join()  # the run had ended, and was cut off before its parts were joined
+        return run
     onward = resume(
         run, t_end, terms=terms, progress=progress, checkpoint=writer, checkpoint_seconds=checkpoint_seconds
     )
