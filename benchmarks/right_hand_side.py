@@ -27,7 +27,7 @@ def right_hand_sides(n: int, repeats: int, precision: str):
     """Return a function that evaluates `repeats` right-hand sides and returns the seconds they took."""
     grid = cy.CylinderGrid(n, n, 5.0)
     cell = system(cy.Parameters(), grid, precision=precision)
-    spectrum = cell.spectrum(cy.initial.disordered(grid, 10))
+    spectrum = cell.spectrum(cy.initial.disordered(grid, 100))
 
     @jax.jit
     def loop(cell, spectrum):

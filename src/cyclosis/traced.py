@@ -64,4 +64,4 @@ def _prepared(
     if jnp.shape(P) != (2, *grid.shape):
         raise InputError("P", jnp.shape(P), f"of shape {(2, *grid.shape)}", "make state and grid match")
     cell = system(params, grid, terms, precision=precision, traced=values)
-    return cell, jnp.fft.fft2(P[0] + 1j * P[1]).astype(cell.space.K.dtype) * cell.space.keep
+    return cell, jnp.fft.fft2(P[0] + 1j * P[1]).astype(cell.space.packed) * cell.space.keep

@@ -61,8 +61,8 @@ def _gradient_energy(cell: System, now: Moment) -> Any:
 
 def _spectral_tail(cell: System, now: Moment) -> Any:
     """Return the amplitude in the tail over that of all modes."""
-    m = jnp.abs(cell.space.K.real) / jnp.max(cell.space.K.real)
-    q = jnp.abs(cell.space.K.imag) / jnp.max(cell.space.K.imag)
+    m = jnp.abs(cell.space.m) / jnp.max(cell.space.m)
+    q = jnp.abs(cell.space.q) / jnp.max(cell.space.q)
     energy = _energy(now.spectrum)
     tail = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
     return jnp.sqrt(tail / jnp.maximum(jnp.sum(energy), 1e-300))

@@ -9,6 +9,7 @@ the folder goes. When a finished file is resumed it stays as the first part unti
 
 from __future__ import annotations
 
+import glob
 import os
 import shutil
 from collections.abc import Callable, Iterable
@@ -66,6 +67,8 @@ class RunWriter:
         self.target, self.folder = Path(path), folder_of(Path(path))
         self.number, self.frames, self.records = 0, 0, 0
         standing = parts(self.target)
+        for killed in self.target.parent.glob(f".{glob.escape(self.target.name)}.*.new"):
+            killed.unlink(missing_ok=True)  # what a killed process was writing
         if continues:
             self._continue(standing)
         elif standing != [self.target] and not force:

@@ -46,7 +46,7 @@ class Watch:
     """The first sign of an under-resolved run: a heavy spectral tail or an overshoot of |P| = 1."""
 
     def __init__(self, cell: System, settings: Settings) -> None:
-        k = TAIL_FRACTION * min(float(np.max(np.real(cell.space.K))), float(np.max(np.imag(cell.space.K))))
+        k = TAIL_FRACTION * min(float(np.max(cell.space.m)), float(np.max(cell.space.q)))
         diffuses = any(term.name == "diffusion" for term in cell.terms)
         damping = float(cell.values.d_s) * k**2 if diffuses else 0.0
         self.patience = -np.log(NOISE_DECAY) / damping if damping > 0 else 0.0

@@ -20,21 +20,20 @@ from .spectral import Space, dot, reverse
 
 
 class FlowOperator(NamedTuple):
-    """The linear map from force to flow: U = direct F + mirror conj(F_{-k}) + mean Re F."""
+    """The linear map from force to flow: U_k = direct F_k + mirror conj(F_{-k})."""
 
     direct: Any
     mirror: Any
-    mean: Any
 
 
 def flow_operator(space: Space, mu: Any, zero_theta_flux: Any) -> FlowOperator:
     """Return the `FlowOperator` of a space; arithmetic alone, for NumPy and traced values alike."""
-    green = 0.5 * space.keep / (1.0 + mu * space.k2)
-    return FlowOperator(
-        direct=green * (1.0 - space.mean),
-        mirror=-green * space.unit,
-        mean=space.mean * (1.0 - zero_theta_flux),
-    )
+    zero = 1.0 * (space.k2 == 0)
+    green = 0.5 * space.keep / (1.0 + mu * space.k2) * (1.0 - zero)
+    unit = (space.m + 1j * space.q) ** 2 / (space.k2 + zero)
+    # At k = 0 the two halves add up to Re F: the mean of F_theta alone, if that is free.
+    mean = 0.5 * (1.0 - zero_theta_flux) * zero
+    return FlowOperator((green + mean).astype(space.k2.dtype), (mean - green * unit).astype(space.packed))
 
 
 def force(p: jax.Array, exponent: Any, cubic: bool) -> jax.Array:
@@ -49,8 +48,4 @@ def force(p: jax.Array, exponent: Any, cubic: bool) -> jax.Array:
 
 def flow_spectrum(operator: FlowOperator, force_spectrum: jax.Array) -> jax.Array:
     """Return the spectrum of the flow that a force drives."""
-    return (
-        operator.direct * force_spectrum
-        + operator.mirror * reverse(force_spectrum)
-        + operator.mean * force_spectrum.real
-    )
+    return operator.direct * force_spectrum + operator.mirror * reverse(force_spectrum)

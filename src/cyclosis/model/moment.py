@@ -86,5 +86,5 @@ class Moment:
 
     def gradient(self, spectrum: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Return the theta and z derivatives of a packed field."""
-        m, q = self.space.K.real, self.space.K.imag
+        m, q = self.space.m, self.space.q
         return self.space.to_physical(1j * m * spectrum), self.space.to_physical(1j * q * spectrum)

@@ -35,18 +35,33 @@ are quartic: 5/2 removes all aliasing of this model.
 class Space:
     """Wavenumbers of a grid and the transforms on it (a traceable value).
 
-    Arrays of the grid's shape: `K` = m + i q, `k2` = |K|², `unit` = K²/|K|² (0 at k = 0), `keep` (0 on
-    the Nyquist modes, 1 elsewhere) and `mean` (1 at k = 0, 0 elsewhere). `shape` is the grid's,
-    `fine` the shape on which products are formed.
+    `m` (n_theta, 1) and `q` (1, n_z) are the wavenumbers, 0 for the Nyquist modes; `keep_m` and `keep_q`
+    are 0 there and 1 elsewhere; `k2` (n_theta, n_z) is |k|². Kept apart by direction because the right-hand
+    side is limited by memory. `shape` is the grid's, `fine` the shape on which products are formed.
     """
 
-    K: Any
+    m: Any
+    q: Any
+    keep_m: Any
+    keep_q: Any
     k2: Any
-    unit: Any
-    keep: Any
-    mean: Any
     shape: tuple[int, int]
     fine: tuple[int, int]
+
+    @property
+    def K(self) -> jax.Array:
+        """The wavenumbers m + i q, shape (n_theta, n_z), 0 on the Nyquist modes."""
+        return jax.lax.complex(*jnp.broadcast_arrays(self.m, self.q))
+
+    @property
+    def keep(self) -> Any:
+        """0 on the Nyquist modes, 1 elsewhere, shape (n_theta, n_z)."""
+        return self.keep_m * self.keep_q
+
+    @property
+    def packed(self) -> Any:
+        """The complex type of packed fields."""
+        return np.complex64 if self.k2.dtype == np.float32 else np.complex128
 
     def to_physical(self, spectrum: jax.Array) -> jax.Array:
         """Return the packed field on the fine grid."""
@@ -62,7 +77,7 @@ class Space:
 
         Nyquist modes are left in: all that follows multiplies by `keep` or K, which remove them.
         """
-        spectrum = jnp.fft.fft2(field.astype(self.K.dtype))
+        spectrum = jnp.fft.fft2(field.astype(self.packed))
         if self.fine == self.shape:
             return spectrum
         for axis in (0, 1):
@@ -71,27 +86,23 @@ class Space:
 
 
 jax.tree_util.register_dataclass(
-    Space, data_fields=["K", "k2", "unit", "keep", "mean"], meta_fields=["shape", "fine"]
+    Space, data_fields=["m", "q", "keep_m", "keep_q", "k2"], meta_fields=["shape", "fine"]
 )
 
 
 def space(grid: CylinderGrid, dealias: str = "none", precision: str = "float64") -> Space:
     """Return the `Space` of a grid, in NumPy arrays of the given precision."""
-    keep = np.outer(*(_not_nyquist(n) for n in grid.shape))
-    K = (grid.m[:, None] + 1j * grid.q[None, :]) * keep
-    k2 = grid.m[:, None] ** 2 + grid.q[None, :] ** 2
-    unit = np.divide(K**2, k2, out=np.zeros_like(K), where=k2 > 0)
-    mean = np.zeros(grid.shape)
-    mean[0, 0] = 1.0
-    real, packed = dtypes(precision)
+    real, _ = dtypes(precision)
+    keep_m, keep_q = _not_nyquist(grid.n_theta)[:, None], _not_nyquist(grid.n_z)[None, :]
+    m, q = grid.m[:, None], grid.q[None, :]
     return Space(
-        K.astype(packed),
-        k2.astype(real),
-        unit.astype(packed),
-        keep.astype(real),
-        mean.astype(real),
-        grid.shape,
-        fine_shape(grid.shape, dealias),
+        m=(m * keep_m).astype(real),
+        q=(q * keep_q).astype(real),
+        keep_m=keep_m.astype(real),
+        keep_q=keep_q.astype(real),
+        k2=(m**2 + q**2).astype(real),
+        shape=grid.shape,
+        fine=fine_shape(grid.shape, dealias),
     )
 
 

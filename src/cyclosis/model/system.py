@@ -47,7 +47,7 @@ class System:
 
     def linear(self) -> jax.Array:
         """Return the real symbol of the linear part, shape (n_theta, n_z); zero if not `split`."""
-        symbol = filaments.linear_symbol(self.at(self.space.K), self.terms)
+        symbol = filaments.linear_symbol(self.at(self.space.k2), self.terms)
         return symbol if self.split else jnp.zeros_like(symbol)
 
     def nonlinear(self, now: Moment) -> jax.Array:
@@ -62,7 +62,7 @@ class System:
     def spectrum(self, state: npt.ArrayLike) -> npt.NDArray[np.complexfloating[Any, Any]]:
         """Return the packed spectrum of a state (2, n_theta, n_z) without its Nyquist modes."""
         packed = np.fft.fft2(spectral.pack(np.asarray(state, dtype=np.float64)))
-        return (packed * np.asarray(self.space.keep)).astype(self.space.K.dtype)
+        return (packed * np.asarray(self.space.keep)).astype(self.space.packed)
 
     def state(self, spectrum: npt.ArrayLike) -> Array:
         """Return the state (2, n_theta, n_z) of a packed spectrum."""
