@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.dataset import guarded, unfinished
+from cyclosis.dataset import guarded, parts
 from cyclosis.dataset.netcdf import digest
 from measure.files import COMMAND, SETTINGS, call, differences, environment, everything, killing
 
@@ -100,8 +100,8 @@ def test_ctrl_c_saves_says_how_to_resume_and_exits_130(tmp_path):
     process = subprocess.Popen(
         [*COMMAND, *arguments], cwd=tmp_path, env=environment(tmp_path), stdout=subprocess.PIPE, text=True
     )
-    parts = unfinished.folder_of(tmp_path / "run.nc")
-    while len(list(parts.glob("[0-9]*.nc"))) < 3:
+    folder = parts.folder_of(tmp_path / "run.nc")
+    while len(list(folder.glob("[0-9]*.nc"))) < 3:
         time.sleep(0.01)
         assert process.poll() is None
     process.send_signal(signal.SIGINT)
@@ -154,7 +154,7 @@ def test_a_disk_that_fills_up_at_any_write_keeps_what_was_saved(tmp_path, monkey
             stream(target, checkpoint_seconds=0.0, **settings)
         counter["left"] = 10**9
         assert not target.exists()
-        if unfinished.is_unfinished(target):
+        if parts.is_unfinished(target):
             cy.open_dataset(target).close()
             cy.resume_file(target)
             assert differences(good, target) == [], fails_at
@@ -174,7 +174,7 @@ def test_a_diverged_run_keeps_its_checkpoints_and_is_not_resumed(tmp_path):
         checkpoint_seconds=0.0,
     )
     assert run.status == "diverged"
-    stored = sorted(unfinished.folder_of(tmp_path / "run.nc").glob("*.nc"))
+    stored = sorted(parts.folder_of(tmp_path / "run.nc").glob("*.nc"))
     for part in stored:
         restart = everything(part)
         assert np.all(np.isfinite(restart["restart/spectrum"]))
@@ -232,12 +232,12 @@ def test_files_of_another_schema_are_refused(tmp_path, schema, remedy):
 def test_an_unfinished_run_is_in_nobodys_way_and_nobody_in_its(tmp_path):
     writer = cy.RunWriter(tmp_path / "run.nc")
     run = cy.simulate(PARAMS, GRID, STATE, 4.0, 2.0, checkpoint=writer)
-    assert unfinished.is_unfinished(tmp_path / "run.nc")
+    assert parts.is_unfinished(tmp_path / "run.nc")
     assert cy.open_dataset(tmp_path / "run.nc").sizes["time"] == 0
     with pytest.raises(cy.InputError, match="cyclosis resume"):
         cy.RunWriter(tmp_path / "run.nc")
     writer.finish(run)
-    assert not unfinished.is_unfinished(tmp_path / "run.nc")
+    assert not parts.is_unfinished(tmp_path / "run.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
@@ -269,7 +269,7 @@ def test_the_cost_of_a_checkpoint_does_not_grow(tmp_path):
 
     def spy(run):
         writer(run)
-        sizes.append(max(unfinished.folder_of(tmp_path / "run.nc").glob("*.nc")).stat().st_size)
+        sizes.append(max(parts.folder_of(tmp_path / "run.nc").glob("*.nc")).stat().st_size)
 
     cy.simulate(PARAMS, GRID, STATE, 60.0, 2.0, checkpoint=spy, checkpoint_seconds=0.0)
     assert len(sizes) > 30

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import sys
 from types import TracebackType
+from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 
 from .analysis.regimes import regime
 from .dynamics.run import Snapshot
@@ -14,25 +22,15 @@ from .model.grid import CylinderGrid
 from .model.parameters import Parameters
 
 
-class RunProgress:
-    """A context that gives `simulate` its progress callback; shows nothing where there is no terminal."""
+class _Shown:
+    """A context around a bar of some columns, on the terminal's error stream."""
 
-    def __init__(self, params: Parameters, grid: CylinderGrid, hidden: bool = False) -> None:
-        self.params, self.grid = params, grid
+    def __init__(self, hidden: bool, *columns: ProgressColumn) -> None:
         self.shown = not hidden and sys.stderr.isatty()
-        self.bar = Progress(
-            TextColumn("t = {task.fields[t]}"),
-            BarColumn(),
-            TextColumn("{task.fields[regime]}"),
-            TextColumn("left"),
-            TimeRemainingColumn(compact=True),
-            console=Console(stderr=True),
-            disable=not self.shown,
-            transient=True,
-        )
-        self.task = self.bar.add_task("run", total=1.0, t="0", regime="compiling")
+        console = Console(stderr=True)
+        self.bar = Progress(*columns, console=console, disable=not self.shown, transient=True)
 
-    def __enter__(self) -> RunProgress:
+    def __enter__(self) -> Self:
         self.bar.start()
         return self
 
@@ -40,6 +38,18 @@ class RunProgress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.bar.stop()
+
+
+class RunProgress(_Shown):
+    """Gives `simulate` its progress callback: time reached, regime so far, time left."""
+
+    def __init__(self, params: Parameters, grid: CylinderGrid, hidden: bool = False) -> None:
+        time, name = TextColumn("t = {task.fields[t]}"), TextColumn("{task.fields[regime]}")
+        super().__init__(
+            hidden, time, BarColumn(), name, TextColumn("left"), TimeRemainingColumn(compact=True)
+        )
+        self.params, self.grid = params, grid
+        self.task = self.bar.add_task("run", total=1.0, t="0", regime="compiling")
 
     def __call__(self, now: Snapshot) -> None:
         """Show where the run stands."""
@@ -48,23 +58,13 @@ class RunProgress:
             self.bar.update(self.task, completed=now.t / now.t_end, t=f"{now.t:.1f}", regime=name)
 
 
-class Bar:
-    """A context that shows how many of a number of things are done."""
+class Bar(_Shown):
+    """Shows how many of a number of things are done."""
 
     def __init__(self, name: str, hidden: bool = False) -> None:
-        shown = not hidden and sys.stderr.isatty()
-        columns = (TextColumn(name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(compact=True))
-        self.bar = Progress(*columns, console=Console(stderr=True), disable=not shown, transient=True)
+        left = TimeRemainingColumn(compact=True)
+        super().__init__(hidden, TextColumn(name), BarColumn(), MofNCompleteColumn(), left)
         self.task = self.bar.add_task(name, total=None)
-
-    def __enter__(self) -> Bar:
-        self.bar.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.bar.stop()
 
     def __call__(self, done: int, total: int) -> None:
         """Show that `done` of `total` are done."""

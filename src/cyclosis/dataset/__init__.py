@@ -11,6 +11,6 @@ from .convert import load as load
 from .convert import open_dataset as open_dataset
 from .convert import to_dataset as to_dataset
 from .convert import write as write
-from .unfinished import RunWriter as RunWriter
-from .unfinished import resume_file as resume_file
 from .vtk import export_vtk as export_vtk
+from .writer import RunWriter as RunWriter
+from .writer import resume_file as resume_file

@@ -22,9 +22,9 @@ from ..model.errors import InputError
 from ..model.filaments import TermLike, select_terms
 from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
-from . import unfinished
 from .contents import COORDINATES, FIELD_DIMS, FIELDS, ZONE_VARIABLES, Contents, described, of_trajectory
 from .netcdf import DAMAGED, check, damaged, joined, write_contents
+from .parts import MARKS, parts
 
 
 def to_dataset(run: Trajectory) -> xarray.Dataset:
@@ -61,9 +61,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     another schema, truncated or altered.
     """
     place = Path(path)
-    parts = unfinished.parts(place)
-    if parts != [place]:
-        contents = joined(parts)
+    standing = parts(place)
+    if standing != [place]:
+        contents = joined(standing)
         sizes = contents.coordinates
         return _dataset(contents, (sizes["theta"].size, sizes["z"].size))
     try:
@@ -84,7 +84,7 @@ def load(
     Raises `InputError` for files that `open_dataset` refuses.
     """
     place = Path(path)
-    contents = joined(unfinished.parts(place), fields)
+    contents = joined(parts(place), fields)
     try:
         return _trajectory(contents, place, terms, fields)
     except DAMAGED as error:
@@ -107,7 +107,7 @@ def _dataset(contents: Contents, shape: tuple[int, int]) -> xarray.Dataset:
 
 
 def _public(attributes: dict[Any, Any]) -> dict[str, Any]:
-    hidden = ("digest", *unfinished.MARKS)
+    hidden = ("digest", *MARKS)
     return {key: value for key, value in attributes.items() if key not in hidden}
 
 

@@ -69,7 +69,7 @@ class Space:
             return jnp.fft.ifft2(spectrum)
         scale = self.fine[0] * self.fine[1] / (self.shape[0] * self.shape[1])
         for axis in (0, 1):
-            spectrum = _insert_zeros(spectrum, self.shape[axis], self.fine[axis], axis)
+            spectrum = _fit(spectrum, self.shape[axis], self.fine[axis], axis)
         return jnp.fft.ifft2(spectrum * scale)
 
     def to_spectrum(self, field: jax.Array) -> jax.Array:
@@ -81,7 +81,7 @@ class Space:
         if self.fine == self.shape:
             return spectrum
         for axis in (0, 1):
-            spectrum = _drop_modes(spectrum, self.shape[axis], self.fine[axis], axis)
+            spectrum = _fit(spectrum, self.shape[axis], self.shape[axis], axis)
         return spectrum * (self.shape[0] * self.shape[1] / (self.fine[0] * self.fine[1]))
 
 
@@ -148,17 +148,10 @@ def _not_nyquist(n: int) -> npt.NDArray[np.float64]:
     return kept
 
 
-def _insert_zeros(spectrum: jax.Array, n: int, fine: int, axis: int) -> jax.Array:
-    low, high = (n + 1) // 2, (n - 1) // 2
-    parts = jnp.split(spectrum, [low, n - high], axis)
+def _fit(spectrum: jax.Array, resolved: int, size: int, axis: int) -> jax.Array:
+    """Return a spectrum with room for `size` modes along an axis, holding the `resolved` ones."""
+    low, high = (resolved + 1) // 2, (resolved - 1) // 2
+    first, _, last = jnp.split(spectrum, [low, spectrum.shape[axis] - high], axis)
     gap = list(spectrum.shape)
-    gap[axis] = fine - low - high
-    return jnp.concatenate([parts[0], jnp.zeros(gap, spectrum.dtype), parts[2]], axis)
-
-
-def _drop_modes(spectrum: jax.Array, n: int, fine: int, axis: int) -> jax.Array:
-    low, high = (n + 1) // 2, (n - 1) // 2
-    parts = jnp.split(spectrum, [low, fine - high], axis)
-    gap = list(spectrum.shape)
-    gap[axis] = n - low - high
-    return jnp.concatenate([parts[0], jnp.zeros(gap, spectrum.dtype), parts[2]], axis)
+    gap[axis] = size - low - high
+    return jnp.concatenate([first, jnp.zeros(gap, spectrum.dtype), last], axis)

@@ -1,11 +1,4 @@
-"""Runs that are still going, or were cut off: parts in a folder, joined into one file at the end.
-
-While a run goes towards `run.nc`, its checkpoints stand in `run.nc.unfinished/` as numbered NetCDF
-files, each with the frames since the one before and the stepper's state, each written whole or not at
-all. A checkpoint therefore costs the same however long the run already is, and whatever kills the
-process, the parts that stand can be opened and resumed. At the end the parts are joined into `run.nc` and
-the folder goes. When a finished file is resumed it stays as the first part until the join replaces it.
-"""
+"""Streaming a run to its file, checkpoint by checkpoint, and going on with one that stands there."""
 
 from __future__ import annotations
 
@@ -16,40 +9,15 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-import h5py
-
 from ..dynamics.run import Snapshot
 from ..dynamics.simulate import CHECKPOINT_SECONDS, resume
 from ..dynamics.trajectory import Status, Trajectory
 from ..model.errors import InputError
 from ..model.filaments import TermLike
 from .contents import of_trajectory
-from .netcdf import DAMAGED, attributes_of, damaged, joined, sync_folder, unwritable, write_contents
-
-MARKS = ("follows", "continues")
-"""Attributes of a part: the digest of the file at its run's place when the run began, and whether the run
-continues that file."""
-
-
-def folder_of(target: Path) -> Path:
-    """Return the folder of the parts of an unfinished run."""
-    return target.with_name(target.name + ".unfinished")
-
-
-def parts(target: Path) -> list[Path]:
-    """Return the files that make up a run: the one at its place, or what an unfinished run has left."""
-    stored = sorted(folder_of(target).glob("[0-9]*.nc"))
-    if not stored:
-        return [target]
-    marks = _marks(stored[-1])
-    if marks["follows"] != _digest(target):
-        return [target]  # the run has been joined since: the folder was only not yet removed
-    return [target, *stored] if marks["continues"] else stored
-
-
-def is_unfinished(target: Path) -> bool:
-    """Return whether parts of an unfinished run stand beside `target`."""
-    return parts(target) != [target]
+from .convert import load
+from .netcdf import joined, sync_folder, unwritable, write_contents
+from .parts import MARKS, digest_at, folder_of, marks_of, parts
 
 
 class RunWriter:
@@ -76,14 +44,14 @@ class RunWriter:
             raise InputError("out", str(self.target), "free of an unfinished run", remedy)
         else:
             shutil.rmtree(self.folder, ignore_errors=True)
-            self.marks: dict[str, Any] = {"follows": _digest(self.target), "continues": 0}
+            self.marks: dict[str, Any] = {"follows": digest_at(self.target), "continues": 0}
 
     def _continue(self, standing: list[Path]) -> None:
         if standing == [self.target]:
             shutil.rmtree(self.folder, ignore_errors=True)
-            self.marks = {"follows": _digest(self.target), "continues": 1}
+            self.marks = {"follows": digest_at(self.target), "continues": 1}
         else:
-            self.marks = _marks(standing[-1])
+            self.marks = marks_of(standing[-1])
             self.number = int(standing[-1].stem) + 1
 
     def __call__(self, run: Trajectory) -> None:
@@ -128,8 +96,6 @@ def resume_file(
     Bitwise as if it had never stopped, see `resume`. The trajectory's frames stay in the file. Raises
     `InputError` for files that cannot be read, runs that cannot go on, and failures to write.
     """
-    from .convert import load
-
     run = load(path, terms, fields=False)
     writer = RunWriter(path, continues=True)
     writer.frames, writer.records = len(run.frames), run.record_times.size
@@ -141,21 +107,3 @@ def resume_file(
     )
     writer.finish(onward)
     return onward
-
-
-def _digest(path: Path) -> str:
-    """Return the digest that a file states of itself, or nothing where there is no such file."""
-    try:
-        with h5py.File(path, "r") as file:
-            return str(file.attrs["digest"])
-    except DAMAGED:
-        return ""
-
-
-def _marks(path: Path) -> dict[str, Any]:
-    try:
-        with h5py.File(path, "r") as file:
-            found = attributes_of(file)
-            return {mark: found[mark] for mark in MARKS}
-    except DAMAGED as error:
-        raise damaged(path, error) from error
