@@ -113,13 +113,25 @@ def test_ctrl_c_saves_says_how_to_resume_and_exits_130(tmp_path):
     assert differences(tmp_path / "straight.nc", tmp_path / "run.nc") == []
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options", ["", "--stepper etdrk4 --dt 0.07", "--stepper rk4", "--precision float32"]
+)
+def test_going_on_in_a_new_process(tmp_path, options):
+    own = f"run --n-theta 32 --n-z 24 --d-s 0.1 --save-every 2 --record-every 0.5 --quiet {options}".split()
+    assert call(tmp_path, *own, "--t-end", "12", "--out", "straight.nc").returncode == 0
+    assert call(tmp_path, *own, "--t-end", "6", "--out", "run.nc").returncode == 0
+    assert call(tmp_path, "resume", "run.nc", "--t-end", "12", "--quiet").returncode == 0
+    assert differences(tmp_path / "straight.nc", tmp_path / "run.nc") == []
+
+
 def test_kill_9_at_random_moments(tmp_path):
     assert killing(tmp_path, rounds=2, seed=11) == []
 
 
 @pytest.mark.slow
 def test_kill_9_at_many_random_moments(tmp_path):
-    assert killing(tmp_path, rounds=12, seed=5) == []
+    assert killing(tmp_path, rounds=6, seed=5) == []
 
 
 def test_a_disk_that_fills_up_at_any_write_keeps_what_was_saved(tmp_path, monkeypatch):
