@@ -253,6 +253,13 @@ def test_an_unfinished_run_is_in_nobodys_way_and_nobody_in_its(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
+def test_a_finished_file_is_not_streamed_over_unless_forced(tmp_path):
+    path = stream(tmp_path / "run.nc", t_end=2.0)
+    with pytest.raises(cy.InputError, match="force"):
+        cy.RunWriter(path)
+    assert cy.open_dataset(path).sizes["time"] == 2
+
+
 def test_a_user_term_is_needed_again_to_go_on(tmp_path):
     def pull(t, P, u, params, grid):
         return -0.1 * P

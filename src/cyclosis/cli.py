@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .model.definitions import TABLES, Definition
+from .model.definitions import TABLES, Definition, definition
 from .model.errors import InputError
 from .version import __version__
 
@@ -90,7 +90,7 @@ def run(
     for key, text in options.items():
         if text is not None:
             table, name = key.split("__")
-            changes[table][name] = next(d for d in TABLES[table] if d.name == name).parse(text)
+            changes[table][name] = definition(table, name).parse(text)
     tables = configuration.read(config) if config is not None else configuration.check({})
     ready = configuration.setup(configuration.merged(tables, changes))
 
@@ -98,7 +98,6 @@ def run(
     from .dynamics.simulate import simulate
     from .progress import RunProgress
 
-    dataset.check_writable(out, force)
     writer = dataset.RunWriter(out, force)
     with RunProgress(ready.params, ready.grid, hidden=quiet) as progress:
         result = simulate(

@@ -14,6 +14,7 @@ from ..analysis.regimes import DISORDER
 from ..analysis.zones import stripe_widths, zone_angles
 from ..dynamics.trajectory import Trajectory
 from ..model.grid import Array
+from ..model.spectral import dtypes
 from ..model.system import flow
 from . import provenance
 
@@ -70,7 +71,7 @@ class Contents:
     @property
     def dtype(self) -> npt.DTypeLike:
         """Type of the fields."""
-        return np.float32 if self.attributes["precision"] == "float32" else np.float64
+        return dtypes(self.attributes["precision"])[0]
 
 
 def of_trajectory(run: Trajectory, first_frame: int = 0, first_record: int = 0) -> Contents:

@@ -22,7 +22,17 @@ from ..model.errors import InputError
 from ..model.filaments import TermLike, select_terms
 from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
-from .contents import COORDINATES, FIELD_DIMS, FIELDS, ZONE_VARIABLES, Contents, described, of_trajectory
+from ..model.spectral import dtypes
+from .contents import (
+    COORDINATES,
+    FIELD_DIMS,
+    FIELDS,
+    GROWING,
+    ZONE_VARIABLES,
+    Contents,
+    described,
+    of_trajectory,
+)
 from .netcdf import DAMAGED, check, damaged, joined, write_contents
 from .parts import MARKS, parts
 
@@ -129,7 +139,7 @@ def _trajectory(
             frames.append(frame["P"])
     wall = float(contents.attributes["wall_time_seconds"])
     restart = Restart(_progress(contents), outcome["sign_time"], outcome["sign"], wall)
-    records = {n: v.values for n, v in contents.variables.items() if v.dims[0] in ("time", "record_time")}
+    records = {n: v.values for n, v in contents.variables.items() if v.dims[0] in GROWING}
     times = contents.coordinates["time"]
     origin = {"initial_sha256": contents.attributes["initial_sha256"]}
     if "initial" in asked:
@@ -159,9 +169,7 @@ def _progress(contents: Contents) -> dict[str, Any]:
     stored = contents.restart
     out = {name: stored[name] for name in Progress._fields}
     for name in ("spectrum", "nonlinear"):
-        packed = np.empty(
-            out[name].shape[1:], np.complex64 if contents.dtype == np.float32 else np.complex128
-        )
+        packed = np.empty(out[name].shape[1:], dtypes(contents.attributes["precision"])[1])
         packed.real, packed.imag = out[name]  # a sum would lose the sign of zeros
         out[name] = packed
     out["failed"] = out["failed"].astype(bool)

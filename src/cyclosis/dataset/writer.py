@@ -15,7 +15,7 @@ from ..dynamics.trajectory import Status, Trajectory
 from ..model.errors import InputError
 from ..model.filaments import TermLike
 from .contents import of_trajectory
-from .convert import load
+from .convert import check_writable, load
 from .netcdf import joined, sync_folder, unwritable, write_contents
 from .parts import MARKS, digest_at, folder_of, marks_of, parts
 
@@ -34,6 +34,8 @@ class RunWriter:
     def __init__(self, path: str | os.PathLike[str], force: bool = False, continues: bool = False) -> None:
         self.target, self.folder = Path(path), folder_of(Path(path))
         self.number, self.frames, self.records = 0, 0, 0
+        if not continues:
+            check_writable(self.target, force)
         standing = parts(self.target)
         for killed in self.target.parent.glob(f".{glob.escape(self.target.name)}.*.new"):
             killed.unlink(missing_ok=True)  # what a killed process was writing

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ..analysis.diagnostics import TAIL_FRACTION, measure
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
+from ..model.spectral import dtypes
 from ..model.system import System
 from .advance import DIVERGED, Control, Progress, advance, start
 from .frames import Frames
@@ -84,8 +85,7 @@ class Run:
         self.checkpoint, self.checkpoint_seconds = checkpoint, checkpoint_seconds
         self.began = self.last_checkpoint = clock.perf_counter()
         self.spent = 0.0
-        dtype = np.float32 if how.precision == "float32" else np.float64
-        self.frames, self.times = Frames((2, *grid.shape), dtype), list[float]()
+        self.frames, self.times = Frames((2, *grid.shape), dtypes(how.precision)[0]), list[float]()
         self.record_times, self.records = list[float](), list[dict[str, Any]]()
         self.watch = Watch(cell, how)
         dt = how.dt or default_dt(how, cell)
