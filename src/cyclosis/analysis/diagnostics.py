@@ -59,13 +59,16 @@ def _gradient_energy(cell: System, now: Moment) -> Any:
     return now.values.mu * jnp.sum(cell.space.k2 * _energy(now.flow_spectrum))
 
 
-def _spectral_tail(cell: System, now: Moment) -> Any:
-    """Return the amplitude in the tail over that of all modes."""
+def tail(cell: System, energy: jax.Array) -> Any:
+    """Return the amplitude in the spectral tail over that of all modes, from the energy of each mode."""
     m = jnp.abs(cell.space.m) / jnp.max(cell.space.m)
     q = jnp.abs(cell.space.q) / jnp.max(cell.space.q)
-    energy = _energy(now.spectrum)
-    tail = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
-    return jnp.sqrt(tail / jnp.maximum(jnp.sum(energy), 1e-300))
+    beyond = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
+    return jnp.sqrt(beyond / jnp.maximum(jnp.sum(energy), 1e-300))
+
+
+def _spectral_tail(cell: System, now: Moment) -> Any:
+    return tail(cell, _energy(now.spectrum))
 
 
 def _budget(cell: System, now: Moment) -> Any:

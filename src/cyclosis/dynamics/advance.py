@@ -89,7 +89,7 @@ def advance(
         now, tabulated, coefficients = carry
         now = _aim(now, control, target, adaptive)
         coefficients = jax.lax.cond(now.h == tabulated, lambda: coefficients, lambda: tableau(linear, now.h))
-        return _one_step(system, control, now, target, linear, coefficients, adaptive), now.h, coefficients
+        return one_step(system, control, now, target, linear, coefficients, adaptive), now.h, coefficients
 
     blank = jnp.zeros_like(linear)
     carry = (progress, jnp.asarray(-1.0, jnp.float64), Tableau(*(blank for _ in Tableau._fields)))
@@ -98,7 +98,7 @@ def advance(
 
 def _aim(now: Progress, control: Control, target: Any, adaptive: bool) -> Progress:
     """Cut the way to the target into equal steps, where the run has no steps left on such a way."""
-    wanted = _length(now.rung) if adaptive else control.dt
+    wanted = length(now.rung) if adaptive else control.dt
     left = jnp.maximum(jnp.ceil((target - now.t) / wanted - 1e-9), 1.0).astype(jnp.int64)
     h = (target - now.t) / left
     h = jnp.where(jnp.abs(h - now.h) < 1e-12 * h, now.h, h)
@@ -106,9 +106,10 @@ def _aim(now: Progress, control: Control, target: Any, adaptive: bool) -> Progre
     return now._replace(h=jnp.where(fresh, h, now.h), left=jnp.where(fresh, left, now.left))
 
 
-def _one_step(
+def one_step(
     system: System, control: Control, now: Progress, target: Any, linear: Any, c: Tableau, adaptive: bool
 ) -> Progress:
+    """Try a step of length `now.h` with its coefficients, and choose the rung of the next."""
     result = step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
     rate = _relative_rate(linear, result.spectrum, result.nonlinear)
     bounded = (result.peak <= DIVERGED**2) & jnp.isfinite(rate)  # False for NaN as well
@@ -164,7 +165,8 @@ def _tolerance(control: Control, now: Progress, size: Any) -> Any:
     return jnp.where(control.steady_rate > 0, jnp.minimum(allowed, control.atol + 0.1 * change), allowed)
 
 
-def _length(rung: Any) -> Any:
+def length(rung: Any) -> Any:
+    """Return the length of a rung of the ladder of steps."""
     return 2.0 ** (0.5 * rung)
 
 

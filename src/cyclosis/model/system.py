@@ -7,7 +7,7 @@ compiled in is only the shape, the dealiasing, the selection of terms and whethe
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -44,6 +44,13 @@ class System:
     def at(self, spectrum: jax.Array, time: Any = 0.0) -> Moment:
         """Return the `Moment` of a packed spectrum."""
         return Moment(time, spectrum, self.values, self.space, self.operator, self.cubic, self.grid)
+
+    def with_values(self, values: Values) -> System:
+        """Return the same system with other values of the couplings.
+
+        Those that are built into its operators (μ and the flux condition) must be the same.
+        """
+        return replace(self, values=values)
 
     def linear(self) -> jax.Array:
         """Return the real symbol of the linear part, shape (n_theta, n_z); zero if not `split`."""

@@ -1,0 +1,9 @@
+"""Many members at once, each followed until its final regime is certain."""
+
+from .members import FINISH as FINISH
+from .members import OUTCOMES as OUTCOMES
+from .members import EnsembleSettings as EnsembleSettings
+from .members import Member as Member
+from .members import Outcome as Outcome
+from .run import default_lanes as default_lanes
+from .run import ensemble as ensemble

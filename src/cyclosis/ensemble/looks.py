@@ -1,0 +1,49 @@
+"""How a state looks at a glance, and since when it has looked like that."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..analysis.regimes import DISORDER, DOMINANT
+from ..model.grid import Array
+
+
+class Look(NamedTuple):
+    """Whether a state is ordered, how few and how many zones circles z = const cross, whether it circles."""
+
+    ordered: bool
+    low: int
+    high: int
+    circling: bool
+
+    @classmethod
+    def of_signs(cls, signs: Any) -> Look:
+        """Return the look of a member in a lane."""
+        order, around = float(signs.order), float(signs.around)
+        return cls(order >= DISORDER, int(signs.low), int(signs.high), around**2 >= DOMINANT * order**2)
+
+    @classmethod
+    def of_state(cls, P: Array) -> Look:
+        """Return the look of a state (2, n_theta, n_z)."""
+        up = P[1] > 0
+        changes = np.sum(up != np.roll(up, 1, axis=0), axis=0)
+        order2, around2 = float(np.mean(np.sum(P**2, axis=0))), float(np.mean(P[0] ** 2))
+        circling = around2 >= DOMINANT * order2
+        return cls(order2 >= DISORDER**2, int(changes.min()), int(changes.max()), circling)
+
+    def like(self, other: Look) -> bool:
+        """Return whether two states look the same; where filaments circle, zones of P_z mean nothing."""
+        if self.ordered != other.ordered or self.circling != other.circling:
+            return False
+        return self.circling or (self.low, self.high) == (other.low, other.high)
+
+    def since(self, looks: list[tuple[float, Look]], otherwise: float) -> float:
+        """Return the first of the times from which on all looks are like this one."""
+        first = otherwise
+        for time, seen in reversed(looks):
+            if not self.like(seen):
+                break
+            first = time
+        return first

@@ -1,0 +1,94 @@
+"""What goes into an ensemble and what comes out: members, how they are followed, outcomes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..dynamics.settings import Settings
+from ..model.errors import InputError, choice, whole
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+
+OUTCOMES = ("certified", "completed", "underresolved", "diverged")
+"""How a member ended: regime certain, t_end reached, either of them on too coarse a grid, or diverged."""
+FINISH = ("certified", "t_end")
+"""When a member is done: once its final regime is certain (or at t_end), or always at t_end."""
+MAX_LANES = 1_048_576
+
+
+@dataclass(frozen=True)
+class Member:
+    """One cell to follow: its parameters, its grid, and a function that makes its initial state.
+
+    The state (2, n_theta, n_z), |P| <= 1, is made only when the member's turn comes.
+    """
+
+    params: Parameters
+    grid: CylinderGrid
+    state: Callable[[], Array]
+
+
+@dataclass(frozen=True)
+class EnsembleSettings:
+    """How members are followed; see `cyclosis.ensemble.ensemble`. Times are dimensionless (R/U)."""
+
+    t_end: float = 2000.0
+    finish: str = "certified"
+    precision: str = "float64"
+    rtol: float = 1e-4
+    atol: float = 1e-10
+    dealias: str = "none"
+    terms: tuple[str, ...] | None = None
+    lanes: int | None = None
+
+    def __post_init__(self) -> None:
+        choice("finish", self.finish, FINISH)
+        if self.lanes is not None:
+            whole("lanes", self.lanes, 1, MAX_LANES, "leave it out to suit the device")
+        object.__setattr__(self, "t_end", self.run.t_end)
+        if self.t_end == 0:
+            raise InputError("t_end", self.t_end, "longer than no time", "raise it")
+
+    @property
+    def run(self) -> Settings:
+        """The same as settings of a single run that saves nothing on its way."""
+        return Settings(
+            t_end=self.t_end,
+            save_every=max(self.t_end, 1e-6),
+            precision=self.precision,
+            rtol=self.rtol,
+            atol=self.atol,
+            dealias=self.dealias,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """How one member ended; all numbers are dimensionless.
+
+    `regime` is one of `REGIMES`, `status` one of `OUTCOMES`, `reason` says in a few words what makes the
+    regime certain, or why it is not. `t_final` is the time up to which the two-dimensional equations were
+    integrated, `t_order` the time since which the state has looked like its final regime (NaN for disorder
+    and where it never settled). `state` (2, n_theta, n_z) is the final state: the steady state itself where
+    that is what is certain. `eigenvalue` is the largest growth rate of perturbations of it (NaN where none
+    was computed), `tail` the largest spectral tail met after the initial noise had decayed. `evaluations`
+    of the right-hand side and `seconds` say what it cost.
+    """
+
+    regime: str
+    status: str
+    reason: str
+    t_final: float
+    t_order: float
+    state: Array
+    eigenvalue: float
+    tail: float
+    evaluations: int
+    seconds: float
+
+    @property
+    def profile(self) -> Array:
+        """The axial mean of the final state, (2, n_theta)."""
+        mean: Array = self.state.mean(axis=2)
+        return mean

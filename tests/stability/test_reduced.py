@@ -1,0 +1,83 @@
+"""States uniform along one axis obey the two-dimensional equation, and so do small waves upon them."""
+
+import jax
+import numpy as np
+import pytest
+
+import cyclosis as cy
+from cyclosis.stability.reduced import reduced
+
+PARAMS = cy.Parameters(alpha_p=0.7, alpha_u=0.6, epsilon=0.3, kappa=0.2, repulsion_angle=0.4)
+
+
+def smooth(n, seed, size=0.3):
+    """Random values on n points with few modes, and no Nyquist mode."""
+    rng = np.random.default_rng(seed)
+    x = 2 * np.pi / n * np.arange(n)
+    return size * sum(rng.normal() * np.cos(m * x + rng.uniform(0, 6)) / (1 + m) for m in range(4))
+
+
+def jacobian(params, grid, P):
+    """The derivative of the two-dimensional right-hand side by JAX, from the public traced function."""
+    with jax.enable_x64(True):
+        flat = jax.jacfwd(lambda y: cy.traced.rate_of_change(params, grid, y.reshape(P.shape)).ravel())
+        return np.asarray(flat(P.ravel()))
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("dealias", ["none", "full"])
+def test_rate_is_that_of_the_whole_cell(axis, dealias):
+    grid = cy.CylinderGrid(20, 24, 3.0)
+    problem = reduced(PARAMS, grid, axis, dealias=dealias)
+    y = np.concatenate([smooth(problem.n, 1), smooth(problem.n, 2)])
+    expected = cy.rate_of_change(PARAMS, grid, problem.state(y, grid), dealias=dealias)
+    np.testing.assert_allclose(problem.state(problem.rate(y), grid), expected, atol=1e-14)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_jacobian_and_waves_hold_every_eigenvalue_of_the_whole_cell(axis):
+    grid = cy.CylinderGrid(9, 11, 4.0) if axis == 1 else cy.CylinderGrid(11, 9, 4.0)
+    problem = reduced(PARAMS, grid, axis)
+    y = np.concatenate([smooth(problem.n, 3), smooth(problem.n, 4)])
+    whole = np.linalg.eigvals(jacobian(PARAMS, grid, problem.state(y, grid)))
+    parts = [np.linalg.eigvals(problem.jacobian(y))]
+    for j in range(1, 6):
+        parts += [np.linalg.eigvals(problem.waves(y, j)), np.linalg.eigvals(problem.waves(y, -j))]
+    found = np.concatenate(parts)
+    assert found.size == whole.size
+
+    def ordered(values):
+        return values[np.lexsort((np.round(values.imag, 7), np.round(values.real, 7)))]
+
+    np.testing.assert_allclose(ordered(found), ordered(whole), atol=1e-9)
+
+
+def test_waves_upon_the_uniform_state_have_the_growth_rates_of_the_closed_form():
+    params = cy.Parameters(alpha_p=0.4, alpha_u=0.3, epsilon=0.2)
+    grid = cy.CylinderGrid(16, 16, 5.0)
+    problem = reduced(params, grid)
+    P0 = np.sqrt(1 - params.d_r / params.alpha_p)
+    y = np.concatenate([np.zeros(16), np.full(16, P0)])
+    q = 2 * np.pi / 5.0
+    expected = []
+    for m in grid.m[np.abs(grid.m) < 8]:
+        k2 = m**2 + q**2
+        W = (params.alpha_u + 1j * params.epsilon * P0 * q) * P0**2 / (1 + params.mu * k2) / k2
+        a, ratio = params.alpha_p - params.d_r, params.d_r / params.alpha_p
+        matrix = [
+            [-params.d_s * k2 - params.kappa + W * q**2, -3 * m * q * W],
+            [-ratio * m * q * W, -params.d_s * k2 - 2 * a + 3 * ratio * m**2 * W],
+        ]
+        expected.extend(np.linalg.eigvals(matrix))
+    found = np.linalg.eigvals(problem.waves(y, 1))
+    assert all(np.abs(found - value).min() < 1e-12 for value in expected)
+
+
+def test_shift_slope_and_derivative():
+    grid = cy.CylinderGrid(24, 8, 5.0)
+    problem = reduced(PARAMS, grid)
+    y = np.concatenate([np.sin(grid.theta), np.cos(2 * grid.theta)])
+    moved = problem.shifted(y, 0.3)
+    np.testing.assert_allclose(moved[:24], np.sin(grid.theta - 0.3), atol=1e-14)
+    np.testing.assert_allclose(problem.slope(y)[24:], -2 * np.sin(2 * grid.theta), atol=1e-13)
+    np.testing.assert_allclose(problem.derivative @ y, problem.slope(y), atol=1e-12)
