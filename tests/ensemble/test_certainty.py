@@ -95,7 +95,23 @@ def test_answers_do_not_depend_on_what_was_asked_before():
         along[0] = mean[0]
         order = rms(y)
         uneven = rms(y - np.repeat(y.reshape(2, -1).mean(axis=1), 48))
-        return Signs(np.hypot(*P).max(), order, 0.0, uneven, uneven, 0.0, 0.0, 0, 0, mean, along)
+        return Signs(
+            np.hypot(*P).max(),
+            order,
+            0.0,
+            uneven,
+            uneven,
+            0.0,
+            0.0,
+            0,
+            0,
+            mean,
+            along,
+            0.0,
+            False,
+            False,
+            1.0,
+        )
 
     x = GRID.theta
     stripes = [np.concatenate([0 * x, 0.9 * np.tanh(3 * np.sin(x + s))]) for s in (0.0, 1.0, 2.5)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.ensemble import OUTCOMES, EnsembleSettings, Member, ensemble
+from cyclosis.ensemble import OUTCOMES, EnsembleSettings, Member, follow
 from cyclosis.ensemble.lanes import CHECK_STEPS
 
 GRID = cy.CylinderGrid(32, 32, 5.0)
@@ -35,9 +35,9 @@ def various():
 def test_an_outcome_does_not_depend_on_company_order_or_lane(lanes):
     how = EnsembleSettings(lanes=lanes)
     members = various()
-    together = ensemble(members, how)
-    backward = ensemble(members[::-1], how)[::-1]
-    alone = [ensemble([one], how)[0] for one in members]
+    together = follow(members, how)
+    backward = follow(members[::-1], how)[::-1]
+    alone = [follow([one], how)[0] for one in members]
     for a, b, c in zip(together, backward, alone, strict=True):
         assert same(a, b)
         assert same(a, c)
@@ -46,7 +46,7 @@ def test_an_outcome_does_not_depend_on_company_order_or_lane(lanes):
 def test_regimes_do_not_depend_on_the_number_of_lanes_or_the_precision():
     members = various()
     outcomes = [
-        [o.regime for o in ensemble(members, EnsembleSettings(lanes=lanes, precision=precision))]
+        [o.regime for o in follow(members, EnsembleSettings(lanes=lanes, precision=precision))]
         for lanes, precision in ((1, "float64"), (2, "float64"), (8, "float64"), (2, "float32"))
     ]
     assert all(names == outcomes[0] for names in outcomes)
@@ -55,7 +55,7 @@ def test_regimes_do_not_depend_on_the_number_of_lanes_or_the_precision():
 
 def test_followed_to_the_end_it_is_the_single_run():
     one = member(3, alpha_p=0.4, alpha_u=0.3)
-    (outcome,) = ensemble([one], EnsembleSettings(t_end=33.3, finish="t_end", rtol=1e-7))
+    (outcome,) = follow([one], EnsembleSettings(t_end=33.3, finish="t_end", rtol=1e-7))
     run = cy.simulate(one.params, GRID, one.state(), 33.3, 33.3, rtol=1e-9)
     assert outcome.status == "completed"
     assert outcome.t_final == 33.3
@@ -65,8 +65,8 @@ def test_followed_to_the_end_it_is_the_single_run():
 
 def test_certain_regimes_are_those_of_brute_force():
     members = [*various(), member(7, alpha_p=0.4, alpha_u=0.1), member(8, alpha_p=0.08, alpha_u=0.1)]
-    sure = ensemble(members, EnsembleSettings(t_end=1500.0))
-    brute = ensemble(members, EnsembleSettings(t_end=1500.0, finish="t_end"))
+    sure = follow(members, EnsembleSettings(t_end=1500.0))
+    brute = follow(members, EnsembleSettings(t_end=1500.0, finish="t_end"))
     for a, b in zip(sure, brute, strict=True):
         assert a.status == "certified"
         assert b.status == "completed"
@@ -84,7 +84,7 @@ def spectrum(P):
 
 
 def test_disorder_is_certain_by_theory_and_only_where_it_is():
-    marginal, growing = ensemble(
+    marginal, growing = follow(
         [member(alpha_p=0.025, alpha_u=1.0), member(alpha_p=0.0251, alpha_u=1.0)],
         EnsembleSettings(t_end=200.0),
     )
@@ -98,7 +98,7 @@ def test_disorder_is_certain_by_theory_and_only_where_it_is():
 def test_without_flow_stripes_are_never_certain():
     # On few points zones are pinned to the grid; the finer grid tells.
     stripes = Member(cy.Parameters(alpha_p=0.4, alpha_u=0.0), GRID, partial(cy.initial.stripes, GRID))
-    (outcome,) = ensemble([stripes], EnsembleSettings(t_end=60.0))
+    (outcome,) = follow([stripes], EnsembleSettings(t_end=60.0))
     assert outcome.status == "completed"
     assert outcome.regime == "cyclosis"
 
@@ -113,7 +113,7 @@ def test_without_flow_stripes_are_never_certain():
 )
 def test_other_regimes_are_certified_too(values, regime):
     grid = cy.CylinderGrid(32, 32, 5.0)
-    outcomes = ensemble([member(seed, grid, alpha_p=0.6, **values) for seed in (2, 3)])
+    outcomes = follow([member(seed, grid, alpha_p=0.6, **values) for seed in (2, 3)])
     for outcome in outcomes:
         assert outcome.status == "certified"
         assert outcome.regime == (regime or "circumferential")
@@ -123,16 +123,16 @@ def test_a_member_that_diverges_is_a_result_and_the_others_go_on():
     grid = cy.CylinderGrid(64, 64, 5.0)
     wild = Member(cy.Parameters(epsilon=10.0), grid, partial(cy.initial.disordered, grid, 10, 0))
     calm = Member(cy.Parameters(alpha_p=0.025), grid, partial(cy.initial.disordered, grid))
-    outcomes = ensemble([wild, calm], EnsembleSettings(t_end=60.0, lanes=2))
+    outcomes = follow([wild, calm], EnsembleSettings(t_end=60.0, lanes=2))
     assert [o.status for o in outcomes] == ["diverged", "certified"]
     assert outcomes[0].t_final < 60.0
     assert np.all(np.isfinite(outcomes[0].state))
-    assert same(outcomes[1], ensemble([calm, calm], EnsembleSettings(t_end=60.0, lanes=2))[0])
+    assert same(outcomes[1], follow([calm, calm], EnsembleSettings(t_end=60.0, lanes=2))[0])
 
 
 def test_a_coarse_grid_is_noticed():
     grid = cy.CylinderGrid(24, 24, 5.0)
-    (outcome,) = ensemble([member(grid=grid)], EnsembleSettings(t_end=100.0))
+    (outcome,) = follow([member(grid=grid)], EnsembleSettings(t_end=100.0))
     assert outcome.status == "underresolved"
     assert outcome.tail > 1e-2
 
@@ -148,7 +148,7 @@ def test_members_may_differ_in_everything():
         Member(field, GRID, partial(cy.initial.disordered, GRID)),
         member(force_exponent=3.0, alpha_p=0.4),
     ]
-    outcomes = ensemble(members, EnsembleSettings(t_end=80.0, lanes=2))
+    outcomes = follow(members, EnsembleSettings(t_end=80.0, lanes=2))
     assert all(o.status in OUTCOMES for o in outcomes)
     assert outcomes[1].state.shape == (2, 32, 20)
     # Couplings that vary over the surface allow no certificate, but the run is the same.
@@ -158,7 +158,7 @@ def test_members_may_differ_in_everything():
 
 def test_time_of_order_is_when_the_regime_appears():
     one = member(2, alpha_p=0.4, alpha_u=0.4)
-    (outcome,) = ensemble([one])
+    (outcome,) = follow([one])
     run = cy.simulate(one.params, GRID, one.state(), outcome.t_final, 0.5)
     names = [cy.regime(one.params, GRID, frame).name for frame in run.frames]
     last = max(i for i, name in enumerate(names) if name != outcome.regime)
@@ -178,5 +178,5 @@ def test_bad_settings_and_states_are_refused_in_a_sentence():
             EnsembleSettings(**values)
     wrong = Member(cy.Parameters(), GRID, lambda: np.zeros((2, 8, 8)))
     with pytest.raises(cy.InputError, match="initial state"):
-        ensemble([wrong])
-    assert ensemble([]) == []
+        follow([wrong])
+    assert follow([]) == []

@@ -6,4 +6,6 @@ from .members import EnsembleSettings as EnsembleSettings
 from .members import Member as Member
 from .members import Outcome as Outcome
 from .run import default_lanes as default_lanes
-from .run import ensemble as ensemble
+from .run import follow as follow
+
+ensemble = follow

@@ -24,7 +24,7 @@ SLOW_FLOOR = 0.01
 """Amplitude of the slowest mode below which its motion needs no check."""
 SAME = 1e-3
 """Root mean square difference below which two steady states are the same."""
-REFINED = 2
+REFINED = 1.5
 """Factor of the finer grid on which a steady state must be found again, and found stable."""
 ALIKE = 0.05
 """Root mean square difference that the finer grid may make."""
@@ -114,11 +114,13 @@ def _confirmed(
     """
     if state.uniform:
         return True
-    shape = [REFINED * size if axis != problem.axis else size for axis, size in enumerate(grid.shape)]
+    n = 2 * round(0.5 * REFINED * problem.n)
+    shape, fine = (grid.n_theta, n), (1, n)
+    if problem.axis == 1:
+        shape, fine = (n, grid.n_z), (n, 1)
     finer = reduced(params, grid.resized(*shape), problem.axis, **options)
     both = np.expand_dims(state.y.reshape(2, -1), 1 + problem.axis)
-    target = [1 if axis == problem.axis else REFINED * problem.n for axis in (0, 1)]
-    found = steady(finer, interpolate(both, (target[0], target[1])).ravel())
+    found = steady(finer, interpolate(both, fine).ravel())
     if found is None:
         return False
     back = interpolate(np.expand_dims(found.y.reshape(2, -1), 1 + problem.axis), both.shape[1:])

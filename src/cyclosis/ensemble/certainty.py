@@ -44,8 +44,10 @@ LONG_WAVES = 3
 """Wavenumbers across that are looked at on the way; the longest waves grow first."""
 NEAR = 0.2
 """Root mean square distance from a stable steady state within which no other one is looked for."""
+QUICK = 0.1
+"""Relative rate of change above which a state is in nobody's neighbourhood."""
 SLOW = 0.01
-"""Relative rate of change above which a state is not yet near any steady state."""
+"""Relative rate of change above which a state is neither near a steady state nor slow enough to relax."""
 STANDARD_TIME = 100.0
 """Time that a standard state is given to relax before Newton's method takes over."""
 SADDLE = 0.5
@@ -133,6 +135,8 @@ class Certainty:
     def _relaxed(self, problem: Reduced, y: Array, remnant: float) -> Verdict | Doubt:
         time, stage, looked = 0.0, FIRST_STAGE, y
         rates = [rms(problem.rate(y)) / max(rms(y), 1e-300)]
+        if rates[0] > SLOW:  # two dimensions are quick enough as long as anything moves
+            return Doubt.YET
         while time < LONGEST:
             now = relax(problem, y, stage)
             if now.failed:
@@ -157,12 +161,15 @@ class Certainty:
 
     def _arrived(self, problem: Reduced, y: Array, uneven: float) -> Attractor | None:
         """Return the stable steady state in whose neighbourhood y lies."""
+        speed = rms(problem.rate(y)) / rms(y)
+        if speed > QUICK:
+            return None
         standard = self._standard(problem, kind(problem, y))
         if standard is not None and standard.captures(y, uneven):
             return standard
         if standard is not None and standard.stable and standard.distance(y) < NEAR:
             return None
-        if rms(problem.rate(y)) > SLOW * rms(y):
+        if speed > SLOW:
             return None
         state = steady(problem, y)
         if state is None or (standard is not None and standard.distance(state.y) < SAME):

@@ -31,7 +31,8 @@ class Signs(NamedTuple):
 
     `largest` is max |P|, `order` <|P|²>^½, `around` <P_theta²>^½, `unevenness` <|P - <P>|²>^½; `vary_theta`
     and `vary_z` are the root mean squares of what varies along either axis; `low` and `high` the fewest and
-    the most sign changes of P_z around a circle z = const.
+    the most sign changes of P_z around a circle z = const. `t` is the time reached, `waits` whether the next
+    step would pass the end, `failed` whether none was short enough, `peak` the largest |P| so far.
     """
 
     largest: Any
@@ -45,6 +46,10 @@ class Signs(NamedTuple):
     high: Any
     mean_along_z: Any
     mean_along_theta: Any
+    t: Any
+    waits: Any
+    failed: Any
+    peak: Any
 
 
 @jax.jit
@@ -66,13 +71,12 @@ def run_lanes(
     def one(values: Any, now: Progress) -> tuple[Progress, Signs]:
         cell = cells.with_values(values)
         now = jax.lax.fori_loop(0, CHECK_STEPS, lambda _, at: _try(cell, control, table, at, t_end), now)
-        return now, _signs(cell, now.spectrum)
+        return now, _signs(cell, now, t_end)
 
     return jax.vmap(one)(cells.values, lanes)
 
 
-def finished(now: Progress, t_end: Any) -> Any:
-    """Return whether a lane waits because its next step would pass its end."""
+def _waits(now: Progress, t_end: Any) -> Any:
     return now.t + _next(now) > t_end
 
 
@@ -87,11 +91,12 @@ def _try(cell: System, control: Control, table: Tableau, now: Progress, t_end: A
     aimed = now._replace(rung=rung, h=h, left=jnp.ones_like(now.left))
     new = one_step(cell, control, aimed, now.t + h, cell.linear(), coefficients, adaptive=True)
     new = new._replace(failed=new.failed | (new.rung < LOWEST))
-    waits = now.failed | finished(now, t_end)
+    waits = now.failed | _waits(now, t_end)
     return jax.tree.map(lambda a, b: jnp.where(waits, a, b), now, new)
 
 
-def _signs(cell: System, spectrum: jax.Array) -> Signs:
+def _signs(cell: System, now: Progress, t_end: Any) -> Signs:
+    spectrum = now.spectrum
     energy = (spectrum.real**2 + spectrum.imag**2) / spectrum.size**2
     p = jnp.fft.ifft2(spectrum)
     up = p.imag > 0
@@ -112,4 +117,8 @@ def _signs(cell: System, spectrum: jax.Array) -> Signs:
         high=jnp.max(changes),
         mean_along_z=spectrum[:, 0] / spectrum.shape[1],
         mean_along_theta=spectrum[0] / spectrum.shape[0],
+        t=now.t,
+        waits=_waits(now, t_end),
+        failed=now.failed,
+        peak=now.peak,
     )

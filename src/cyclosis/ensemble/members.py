@@ -31,7 +31,7 @@ class Member:
 
 @dataclass(frozen=True)
 class EnsembleSettings:
-    """How members are followed; see `cyclosis.ensemble.ensemble`. Times are dimensionless (R/U)."""
+    """How members are followed; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U)."""
 
     t_end: float = 2000.0
     finish: str = "certified"

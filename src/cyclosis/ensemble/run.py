@@ -20,7 +20,7 @@ from ..model.parameters import Parameters
 from ..model.precision import double
 from ..model.system import System, system
 from .certainty import UNEVEN, Certainty, Doubt, Verdict
-from .lanes import Signs, finished, run_lanes, tables
+from .lanes import Signs, run_lanes, tables
 from .looks import Look
 from .members import EnsembleSettings, Member, Outcome
 
@@ -30,12 +30,12 @@ ACCELERATOR_BYTES = 8 * 2**30
 """Memory that lanes may take on an accelerator, by default."""
 FIELDS_PER_LANE = 64
 """Complex fields that a lane keeps at work, roughly."""
-ASK_AGAIN = 0.3
+ASK_AGAIN = 0.7
 """What was not certain is asked about again once its remnant has fallen, or t risen, by this factor."""
 MOST_STEPS = 1_000_000
 
 
-def ensemble(members: Sequence[Member], how: EnsembleSettings | None = None) -> list[Outcome]:
+def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> list[Outcome]:
     """Follow every member to its certain final regime, or to t_end, and return their outcomes in order.
 
     With `finish = "certified"` a member leaves as soon as its final regime is certain (see
@@ -114,13 +114,13 @@ class _Pool:
             batch, signs = run_lanes(
                 self.device.with_values(values), self.control, self.table, batch, self.t_end
             )
-            seen = jax.device_get((signs, batch.t, batch.failed, finished(batch, self.t_end), batch.peak))
+            seen = jax.device_get(signs)
             for lane, seat in enumerate(seats):
                 if seat is None:
                     continue
-                now, t, failed, waits, peak = _lane(seen, lane)
-                verdict = self._look(seat, float(t), now, float(peak))
-                if verdict is None and not failed and not waits:
+                now = _lane(seen, lane)
+                verdict = self._look(seat, now)
+                if verdict is None and not now.failed and not now.waits:
                     continue
                 yield (
                     seat.index,
@@ -157,12 +157,13 @@ class _Pool:
     def _system(self, params: Parameters) -> System:
         return system(params, self.grid, self.how.terms, self.how.dealias, self.how.precision)
 
-    def _look(self, seat: _Seat, t: float, now: Signs, peak: float) -> Verdict | None:
+    def _look(self, seat: _Seat, now: Signs) -> Verdict | None:
         """Take note of a member, and return what is certain of it."""
+        t = float(now.t)
         seat.looks.append((t, Look.of_signs(now)))
         if t >= seat.watch.patience:
             seat.tail = max(seat.tail, float(now.tail))
-        seat.watch.look(t, float(now.tail), peak)
+        seat.watch.look(t, float(now.tail), float(now.peak))
         _, certainty = self._point(seat.params)
         if certainty is None:
             return None

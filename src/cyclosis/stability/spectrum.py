@@ -35,7 +35,8 @@ class Spectrum:
 
     `along` (2n or 2n - 1,) are those of perturbations that keep it uniform along its axis, by decreasing
     real part, the neutral shift left out, and `slowest` the first mode among them; `across` (waves,) is the
-    largest rate at each wavenumber 1, 2, ... of that axis, up to where all are sure to decay.
+    largest rate at each wavenumber 1, 2, ... of that axis, up to where all are sure to decay; it is empty
+    where perturbations along grow already.
     """
 
     along: Vector
@@ -51,7 +52,8 @@ class Spectrum:
 def spectrum(problem: Reduced, state: Steady, waves: int) -> Spectrum:
     """Return the `Spectrum` of a state, with at most `waves` wavenumbers across."""
     values, mode = along(problem, state)
-    return Spectrum(values, across(problem, state.y, waves), mode)
+    rates = across(problem, state.y, waves) if values[0].real < 0 else np.empty(0)
+    return Spectrum(values, rates, mode)
 
 
 def along(problem: Reduced, state: Steady) -> tuple[Vector, Mode]:
