@@ -5,11 +5,14 @@ python docs/generate.py            # writes docs/settings.md and docs/quantities
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from cyclosis.analysis.diagnostics import QUANTITIES
-from cyclosis.model.definitions import TABLES
+from cyclosis.model.definitions import TABLES, Definition
 from cyclosis.model.filaments import TERMS
+from cyclosis.sweep import definitions as sweeps
+from cyclosis.sweep.variables import FIELD, STANDARD
 
 HERE = Path(__file__).parent
 NOTE = "<!-- Written by docs/generate.py from the definitions in the code. -->\n\n"
@@ -23,16 +26,43 @@ def settings() -> str:
         out += f"\n## [{table}]\n\n| name | option | symbol | meaning | allowed | default |\n"
         out += "|---|---|---|---|---|---|\n"
         for item in items:
-            default = (
-                "all" if isinstance(item.default, tuple) else "-" if item.default is None else item.default
-            )
             allowed = item.rule + (", or a field (n_theta, n_z)" if item.field else "")
             option = "--" + item.name.replace("_", "-")
-            out += (
-                f"| `{item.name}` | `{option}` | {item.symbol} | {item.meaning} | {allowed} | {default} |\n"
-            )
+            meant = f"{_cell(item.symbol)} | {_cell(item.meaning)}"
+            out += f"| `{item.name}` | `{option}` | {meant} | {allowed} | {_default(item)} |\n"
+    out += _sweep()
     out += "\n## Terms\n\n| name | in dP/dt |\n|---|---|\n"
     return out + "".join(f"| `{term.name}` | {_cell(term.formula)} |\n" for term in TERMS)
+
+
+def _sweep() -> str:
+    """Return the tables that a sweep has beyond those of a run."""
+    out = (
+        "\n## Sweeps\n\nThe tables of a [sweep](sweeps.md) are [parameters], [grid] and [initial] as above, "
+    )
+    out += "less `seed`,\nand these.\n"
+    out += "\n### [axes]\n\nA key is one of " + ", ".join(f"`{name}`" for name in sweeps.AXES)
+    out += "; each is a table of\n\n" + _plain_table(sweeps.AXIS)
+    for name in ("ensemble", "run", "record"):
+        out += f"\n### [{name}] of a sweep\n\n" + _plain_table(sweeps.TABLES[name])
+    new = [item for item in sweeps.START if item not in TABLES["initial"]]
+    return out + "\n### [initial] of a sweep, further\n\n" + _plain_table(new)
+
+
+def _plain_table(items: Iterable[Definition]) -> str:
+    out = "| name | meaning | allowed | default |\n|---|---|---|---|\n"
+    for item in items:
+        out += f"| `{item.name}` | {_cell(item.meaning)} | {_allowed(item)} | {_default(item)} |\n"
+    return out
+
+
+def _allowed(item: Definition) -> str:
+    """Return the rule of a setting; the ends of an axis are those of what is swept."""
+    return "as for what is swept" if abs(item.minimum) >= 1e300 else item.rule
+
+
+def _default(item: Definition) -> str:
+    return "all" if isinstance(item.default, tuple) else "-" if item.default is None else str(item.default)
 
 
 def quantities() -> str:
@@ -42,6 +72,17 @@ def quantities() -> str:
     for item in QUANTITIES:
         dims = ", ".join(("time", *item.dims))
         out += f"| `{item.name}` | {_cell(item.symbol)} | {dims} | {item.unit} | {_cell(item.meaning)} |\n"
+    out += (
+        "\n## Of every member of a sweep\n\nOver the axes, `seed` and further dimensions; unit 1. Missing is "
+    )
+    out += (
+        "-1 in integers and NaN in numbers.\n`[record] quantities` adds those above, of the final state, and "
+    )
+    out += "`fields = true` adds `P`.\n\n"
+    out += "| name | further dimensions | type | meaning |\n|---|---|---|---|\n"
+    for variable in (*STANDARD, FIELD):
+        dims = ", ".join(variable.dims) or "-"
+        out += f"| `{variable.name}` | {dims} | {variable.dtype} | {_cell(variable.meaning)} |\n"
     return out
 
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from .version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from . import ensemble as ensemble
     from . import stability as stability
     from .analysis import diagnostics as diagnostics
     from .analysis import zones as zones
@@ -47,6 +48,9 @@ if TYPE_CHECKING:
     from .model.scales import Scales as Scales
     from .model.system import flow as flow
     from .model.system import rate_of_change as rate_of_change
+    from .sweep.collect import open_sweep as open_sweep
+    from .sweep.execute import run_sweep as run_sweep
+    from .sweep.plan import Sweep as Sweep
 
 _HOME = {
     "CylinderGrid": "model.grid",
@@ -58,6 +62,7 @@ _HOME = {
     "RunWriter": "dataset",
     "Snapshot": "dynamics.run",
     "Status": "dynamics.trajectory",
+    "Sweep": "sweep.plan",
     "TERMS": "model.filaments",
     "Term": "model.filaments",
     "Trajectory": "dynamics.trajectory",
@@ -66,16 +71,19 @@ _HOME = {
     "interpolate": "model.grid",
     "load": "dataset",
     "open_dataset": "dataset",
+    "open_sweep": "sweep.collect",
     "rate_of_change": "model.system",
     "regime": "analysis.regimes",
     "resume": "dynamics.simulate",
     "resume_file": "dataset",
+    "run_sweep": "sweep.execute",
     "simulate": "dynamics.simulate",
     "spectra": "analysis.diagnostics",
     "write": "dataset",
 }
 _MODULES = {
     "diagnostics": "analysis.diagnostics",
+    "ensemble": "ensemble",
     "initial": "model.initial",
     "stability": "stability",
     "traced": "traced",

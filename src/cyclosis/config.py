@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 Tables = dict[str, dict[str, Any]]
 
 _NOISE = ("seed", "filaments_per_square", "noise_grid")
-_USED_BY = {
+USED_BY = {
     "disordered": _NOISE,
     "unidirectional": ("magnitude", *_NOISE),
     "circumferential": ("magnitude", *_NOISE),
     "stripes": ("magnitude", "stripes", *_NOISE),
     "file": ("path", "frame", *_NOISE),
 }
+"""The keys of [initial] that each kind of initial state uses."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +44,14 @@ class Setup:
 
 def read(path: str | Path) -> Tables:
     """Return the checked tables of a configuration file. Raises `InputError` for any mistake in it."""
+    return check(load(path))
+
+
+def load(path: str | Path) -> dict[str, Any]:
+    """Return what stands in a TOML file, unchecked. Raises `InputError` for a file that is none."""
     try:
         with open(path, "rb") as file:
-            return check(tomllib.load(file))
+            return tomllib.load(file)
     except tomllib.TOMLDecodeError as error:
         raise InputError("config", str(path), "valid TOML", f"mend this: {error}") from error
     except UnicodeDecodeError as error:
@@ -53,30 +59,27 @@ def read(path: str | Path) -> Tables:
     except RecursionError as error:
         raise InputError("config", str(path), "nested at most a few levels", "flatten its values") from error
     except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
             "config", str(path), "a file that can be read", f"check the path ({reason})"
         ) from error
 
 
-def check(tables: Mapping[str, Any]) -> Tables:
-    """Return the tables with every value checked; what is not given stays away."""
-    out: Tables = {name: {} for name in TABLES}
+def check(tables: Mapping[str, Any], known: Mapping[str, Iterable[Definition]] = TABLES) -> Tables:
+    """Return the tables, defined by `known`, with every value checked; what is not given stays away."""
+    out: Tables = {name: {} for name in known}
     for name, table in tables.items():
-        if name not in TABLES:
-            raise InputError(
-                "table", name, "one of " + ", ".join(f"[{t}]" for t in TABLES), _closest(name, TABLES)
-            )
+        if name not in known:
+            rule = "one of " + ", ".join(f"[{t}]" for t in known)
+            raise InputError("table", name, rule, closest(name, known))
         if not isinstance(table, Mapping):
             raise InputError(name, table, "a table", f"write [{name}] on a line of its own")
-        known = {item.name: item for item in TABLES[name]}
+        items = {item.name: item for item in known[name]}
         for key, value in table.items():
-            if key not in known:
-                rule = f"a key of [{name}]: " + ", ".join(known)
-                raise InputError(f"{name} key", key, rule, _closest(key, known))
-            out[name][key] = _checked(known[key], value)
+            if key not in items:
+                rule = f"a key of [{name}]: " + ", ".join(items)
+                raise InputError(f"{name} key", key, rule, closest(key, items))
+            out[name][key] = _checked(items[key], value)
     return out
 
 
@@ -101,23 +104,33 @@ def setup(tables: Tables) -> Setup:
     return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial)
 
 
+def check_initial(given: Mapping[str, Any]) -> None:
+    """Raise `InputError` for an [initial] table with a value that its kind does not use, or needs."""
+    kind = given.get("kind", INITIAL[0].default)
+    for key, value in given.items():
+        if key != "kind" and key not in USED_BY[kind]:
+            users = ", ".join(k for k, keys in USED_BY.items() if key in keys)
+            raise InputError(
+                key, value, f"used only where initial kind is {users}", f"remove it, or change kind = {kind}"
+            )
+    if kind == "file" and given.get("path") is None:
+        raise InputError("path", None, "given where initial kind is file", "name the file")
+    noise = [key for key in _NOISE if given.get(key) is not None]
+    if kind != "disordered" and noise and given.get("filaments_per_square") is None:
+        rule = f"given with filaments_per_square for kind = {kind}"
+        raise InputError(noise[0], given[noise[0]], rule, "add it, for noise")
+
+
 def initial_state(given: Mapping[str, Any], grid: CylinderGrid) -> Array:
     """Return the state that an [initial] table describes."""
     from .model import initial
 
+    check_initial(given)
     kind = given.get("kind", INITIAL[0].default)
-    for key, value in given.items():
-        if key != "kind" and key not in _USED_BY[kind]:
-            users = ", ".join(k for k, keys in _USED_BY.items() if key in keys)
-            raise InputError(
-                key, value, f"used only where initial kind is {users}", f"remove it, or change kind = {kind}"
-            )
     noise = {key: given[key] for key in _NOISE if key in given}
     if kind == "disordered":
         return initial.disordered(grid, **noise)
     if kind == "file":
-        if "path" not in given:
-            raise InputError("path", None, "given where initial kind is file", "name the file")
         state = initial.from_file(given["path"], grid, given.get("frame", -1))
     else:
         magnitude = {key: given[key] for key in ("magnitude",) if key in given}
@@ -127,11 +140,6 @@ def initial_state(given: Mapping[str, Any], grid: CylinderGrid) -> Array:
             state = getattr(initial, kind)(grid, **magnitude)
     if "filaments_per_square" in noise:
         return initial.with_noise(state, grid, **noise)
-    if noise:
-        key = next(iter(noise))
-        raise InputError(
-            key, noise[key], f"given with filaments_per_square for kind = {kind}", "add it, for noise"
-        )
     return state
 
 
@@ -154,6 +162,7 @@ def _checked(item: Definition, value: Any) -> Any:
     return item.check(value)
 
 
-def _closest(name: str, known: Any) -> str:
+def closest(name: str, known: Iterable[str]) -> str:
+    """Return the remedy for a misspelt name."""
     match = difflib.get_close_matches(str(name), list(known), 1)
     return f"did you mean {match[0]}?".rstrip("?") if match else "check the spelling"

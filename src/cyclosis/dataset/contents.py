@@ -115,11 +115,15 @@ def _frame(run: Trajectory, index: int) -> dict[str, Any]:
     P = run.frames[index]
     state = P.astype(np.float64)
     u = flow(run.params, run.grid, state, run.settings.dealias).astype(P.dtype)
-    angles, widths, count = _zones(state)
+    angles, widths, count = listed_zones(state)
     return {"P": P, "u": u, "zone_count": count, "zone_angle": angles, "stripe_width": widths}
 
 
-def _zones(state: Array) -> tuple[Array, Array, int]:
+def listed_zones(state: Array) -> tuple[Array, Array, int]:
+    """Return the zone angles and stripe widths of a state (2, n_theta, n_z), and the number of zones.
+
+    Both are padded with NaN to the length `ZONES`; a disordered state has none.
+    """
     order = np.sqrt(np.mean(np.sum(state**2, axis=0)))
     angles = zone_angles(state[1].mean(axis=1)) if order >= DISORDER else np.empty(0)
     listed = angles if angles.size <= ZONES else np.empty(0)

@@ -7,5 +7,3 @@ from .members import Member as Member
 from .members import Outcome as Outcome
 from .run import default_lanes as default_lanes
 from .run import follow as follow
-
-ensemble = follow

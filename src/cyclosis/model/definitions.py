@@ -89,7 +89,7 @@ class Definition:
         if self.kind == "names":
             if not listed or not value or not all(isinstance(item, str) for item in value):
                 raise errors.InputError(self.name, value, "a list of at least one name", self.remedy)
-            return tuple(errors.choice(self.name, item, self.allowed) for item in value)
+            return tuple(errors.choice(self.name, item, self.allowed or (item,)) for item in value)
         if self.kind == "shape":
             if not listed or len(value) != 2:
                 raise errors.InputError(self.name, value, self.rule, self.remedy)

@@ -1,0 +1,89 @@
+"""From the blocks of a store to one dataset over the axes of the sweep."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import Any
+
+import xarray
+from xarray.core.indexing import LazilyIndexedArray
+
+from ..model.errors import InputError
+from .lazy import StoredArray
+from .packed import CONVENTIONS, SOURCE
+from .store import Store
+from .variables import FIELD, Variable, along_axes, attributes, of_states
+
+
+def open_sweep(path: str | os.PathLike[str], variables: Iterable[str] | None = None) -> xarray.Dataset:
+    """Return the results in a store as a dataset with one dimension per axis, and `seed`.
+
+    All variables, or only those named, over (axes..., seed) and their own dimensions, all dimensionless.
+    `regime` and `status` are integer codes, explained by their attributes `flag_values` and `flag_meanings`.
+    What has not been computed is missing: -1 in integers, NaN in numbers; the attributes `members_missing`
+    and `blocks_missing` say how much and where. Every byte of every block is checked. Final fields `P` are
+    read, and checked again, only when they are used. Raises `InputError` if there is no store, a name is not
+    one of its variables, or a block is damaged.
+    """
+    store = Store(path)
+    sweep = store.sweep
+    chosen = choose(sweep.variables, variables)
+    small = [item for item in chosen if item.name != FIELD.name]
+    arrays = {item.name: item.empty((sweep.members, *(sweep.sizes[d] for d in item.dims))) for item in small}
+    standing = sorted(store.present())
+    for index in standing:
+        members = sweep.block(index).members
+        for name, values in store.read(index, arrays.keys()).items():
+            arrays[name][members.start : members.stop] = values
+    data: dict[str, Any] = {}
+    for item in chosen:
+        dims = (*sweep.axes, "seed", *item.dims)
+        if item.name in arrays:
+            held: Any = arrays.pop(item.name).reshape([*sweep.shape, *(sweep.sizes[d] for d in item.dims)])
+        else:
+            held = LazilyIndexedArray(StoredArray(store, item, set(standing)))
+        data[item.name] = xarray.Variable(dims, held, attributes(item))
+    used = {dim for item in chosen for dim in item.dims}
+    placed = {n: c for n, c in of_states(sweep).items() if n in used} | along_axes(sweep)
+    coordinates = {name: (item.dims, item.values, item.attributes) for name, item in placed.items()}
+    return xarray.Dataset(data, coordinates, _attributes(store, standing))
+
+
+def choose(known: tuple[Variable, ...], names: Iterable[str] | None) -> list[Variable]:
+    """Return the variables of those names, or all. Raises `InputError` for a name that none has."""
+    asked = [item.name for item in known] if names is None else list(names)
+    for name in asked:
+        if name not in {item.name for item in known}:
+            rule = "variables of the store: " + ", ".join(item.name for item in known)
+            raise InputError("variables", name, rule, "check the spelling, or record it in the sweep")
+    return [item for item in known if item.name in asked]
+
+
+def _attributes(store: Store, standing: list[int]) -> dict[str, Any]:
+    sweep = store.sweep
+    computed = sum(len(sweep.block(index).members) for index in standing)
+    there = set(standing)
+    absent = [index for index in range(sweep.blocks) if index not in there]
+    return {
+        "Conventions": CONVENTIONS,
+        "title": "Sweep of self-organised cytoplasmic streaming on a cylinder",
+        "source": SOURCE,
+        "configuration": json.dumps(store.about["configuration"]),
+        "digest": store.digest,
+        "versions": json.dumps(store.about["versions"]),
+        "created": store.about["created"],
+        "members_computed": computed,
+        "members_missing": sweep.members - computed,
+        "blocks_missing": ranges(absent),
+    }
+
+
+def ranges(indices: Iterable[int]) -> str:
+    """Return sorted whole numbers as a short text, such as "0-3, 7, 9-12"."""
+    listed = list(indices)
+    starts = [b for a, b in pairwise([-2, *listed]) if b != a + 1]
+    ends = [a for a, b in pairwise([*listed, listed[-1] + 2]) if b != a + 1] if listed else []
+    return ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in zip(starts, ends, strict=True))

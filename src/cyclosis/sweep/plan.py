@@ -1,0 +1,208 @@
+"""A sweep: what is computed, member by member and block by block, without enumerating any of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import config
+from ..dataset.contents import ZONES
+from ..model import initial
+from ..model.errors import InputError, whole
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from . import axes, variables
+from .configuration import Tables, completed, file_digest, grid_of
+from .definitions import AXES
+from .variables import Variable
+
+if TYPE_CHECKING:
+    from ..ensemble import EnsembleSettings, Member
+
+
+@dataclass(frozen=True)
+class Block:
+    """The members that are computed and stored together: their numbers in the sweep."""
+
+    index: int
+    members: range
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """A checked sweep: an ensemble of initial states at every point of a grid of parameters.
+
+    Members are numbered in C order over (axes..., seed), and seed s gives the same initial state at every
+    point. Make one with `from_toml` or `from_tables`; `tables` is then the complete configuration (plain, fit
+    for JSON) and `axes` the values by name. Two sweeps are equal if everything that decides their results
+    and their blocks is. Members and blocks are made when asked for, so that a sweep of any size is small.
+    """
+
+    tables: Tables
+    axes: dict[str, tuple[float, ...]]
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Sweep:
+        """Return the sweep that a configuration file describes. Raises `InputError` for any mistake in it."""
+        return cls.from_tables(config.load(str(path)))
+
+    @classmethod
+    def from_tables(cls, tables: Mapping[str, Any], *, files: bool = True) -> Sweep:
+        """Return the sweep of a configuration given as tables. Raises `InputError` for any mistake in it.
+
+        Without `files` the file of an initial state is looked at only when a member is built.
+        """
+        whole_tables = completed(tables, files)
+        return cls(whole_tables, {name: axes.values(table) for name, table in whole_tables["axes"].items()})
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The lengths of the axes, and the number of seeds."""
+        return (*(len(values) for values in self.axes.values()), self.tables["ensemble"]["seeds"])
+
+    @property
+    def seeds(self) -> range:
+        """The seeds."""
+        first = self.tables["ensemble"]["first_seed"]
+        return range(first, first + self.tables["ensemble"]["seeds"])
+
+    @property
+    def members(self) -> int:
+        """The number of members."""
+        return math.prod(self.shape)
+
+    @property
+    def block_size(self) -> int:
+        """The number of members of every block but the last, which may have fewer."""
+        return int(self.tables["ensemble"]["block"])
+
+    @property
+    def blocks(self) -> int:
+        """The number of blocks."""
+        return -(-self.members // self.block_size)
+
+    def block(self, index: int) -> Block:
+        """Return one block. Raises `InputError` for an index that none has."""
+        index = whole("block", index, 0, self.blocks - 1, "choose another")
+        first = index * self.block_size
+        return Block(index, range(first, min(first + self.block_size, self.members)))
+
+    def member(self, number: int) -> tuple[dict[str, float], int]:
+        """Return where a member stands: the value on every axis, and its seed.
+
+        Raises `InputError` for a number that no member has.
+        """
+        number = whole("member", number, 0, self.members - 1, "choose another")
+        *place, seed = np.unravel_index(number, self.shape)
+        point = {name: values[at] for (name, values), at in zip(self.axes.items(), place, strict=True)}
+        return point, self.seeds[int(seed)]
+
+    def build(self, number: int) -> Member:
+        """Return a member ready to compute; its initial state is made when it is asked for.
+
+        Raises `InputError` for a number that no member has; the function that makes the state raises it for
+        noise that makes |P| > 1, and for a file that is no longer as it was when the sweep was planned.
+        """
+        from ..ensemble import Member
+
+        point, seed = self.member(number)
+        swept = {name: value for name, value in point.items() if AXES[name][0] == "parameters"}
+        grid = grid_of(self.tables, point)
+        start = {name: value for name, value in point.items() if AXES[name][0] == "initial"}
+        return Member(
+            self._fixed.replace(**swept), grid, partial(_state, self.tables["initial"] | start, seed, grid)
+        )
+
+    @property
+    def settings(self) -> EnsembleSettings:
+        """How members are followed."""
+        from ..ensemble import EnsembleSettings
+
+        return EnsembleSettings(**(self.tables["run"] | {"terms": tuple(self.tables["run"]["terms"])}))
+
+    @cached_property
+    def record(self) -> tuple[str, ...]:
+        """The names of the quantities that are stored besides those that always are."""
+        return variables.further(self.tables["record"]["quantities"] or ())
+
+    @property
+    def fields(self) -> bool:
+        """Whether final states are stored whole."""
+        return bool(self.tables["record"]["fields"])
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """What is stored of every member."""
+        field = variables.FIELD
+        if self.tables["run"]["precision"] == "float32":
+            field = variables.with_dtype(field, "float32")
+        return (
+            *variables.STANDARD,
+            *(variables.quantity(name) for name in self.record),
+            *([field] if self.fields else []),
+        )
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """The lengths of the dimensions that variables have beyond the member's."""
+        grid = self.tables["grid"]
+        return {
+            "component": 2,
+            "zone": ZONES,
+            "theta": grid["n_theta"],
+            "z": grid["n_z"],
+            "term": len(self.tables["run"]["terms"]),
+        }
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of everything that decides results and blocks, as canonical JSON."""
+        start = {key: value for key, value in self.tables["initial"].items() if key != "path"}
+        decisive = self.tables | {
+            "initial": start,
+            "axes": [[name, list(values)] for name, values in self.axes.items()],
+            "record": {"quantities": list(self.record), "fields": self.fields},
+        }
+        text = json.dumps(decisive, sort_keys=True, separators=(",", ":"), allow_nan=False)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    @cached_property
+    def _fixed(self) -> Parameters:
+        return Parameters(**self.tables["parameters"])
+
+    def __eq__(self, other: object) -> bool:
+        return self.digest == other.digest if isinstance(other, Sweep) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __repr__(self) -> str:
+        sizes = " x ".join(f"{name} {len(values)}" for name, values in self.axes.items())
+        return f"Sweep({sizes} x seed {len(self.seeds)}: {self.members} members in {self.blocks} blocks)"
+
+
+def _state(given: Mapping[str, Any], seed: int, grid: CylinderGrid) -> Array:
+    """Return the initial state that an [initial] table describes, with the noise of a seed."""
+    noise = {key: given[key] for key in ("filaments_per_square", "noise_grid") if key in given}
+    if given["kind"] == "file":
+        state = _stored(given["path"], given["sha256"], given["frame"], grid)
+        return initial.with_noise(state, grid, seed=seed, **noise) if noise else state.copy()
+    return config.initial_state({**given, "seed": seed} if noise else given, grid)
+
+
+@lru_cache(maxsize=2)
+def _stored(path: str, digest: str, frame: int, grid: CylinderGrid) -> Array:
+    """Return the state in a file that must have a checksum."""
+    found = file_digest(path)
+    if found != digest:
+        rule = f"the file with which the sweep was planned, of SHA-256 {digest}"
+        raise InputError("path", path, rule, "restore it")
+    return initial.from_file(path, grid, frame)

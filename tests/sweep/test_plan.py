@@ -1,0 +1,478 @@
+import json
+import pickle
+import random
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cyclosis as cy
+from cyclosis.sweep.plan import Sweep
+from sweep import fakes
+
+ROOT = Path(__file__).parents[2]
+SENTENCE = re.compile(r"^.+ = .+ cannot be used: it must be .+; .+\.$", re.DOTALL)
+
+
+def changed(**changes):
+    return fakes.sweep(**changes).digest
+
+
+# What a sweep is.
+
+
+def test_the_papers_figure():
+    planned = Sweep.from_toml(ROOT / "sweeps" / "figure5.toml")
+    assert planned.shape == (20, 20, 50)
+    assert planned.members == 20_000
+    assert planned.blocks == 400
+    assert list(planned.axes) == ["alpha_p", "alpha_u"]
+    assert planned.axes["alpha_p"][0] == 0.025
+    assert planned.axes["alpha_p"][-1] == 1.0
+    assert planned.axes["alpha_u"] == pytest.approx(np.linspace(0.025, 1, 20), rel=1e-11)
+    assert planned.block(399).members == range(19_950, 20_000)
+    assert planned.settings.t_end == 2000.0
+    assert planned.settings.finish == "certified"
+    assert planned.record == ()
+    assert not planned.fields
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "sweeps").glob("*.toml")), ids=lambda path: path.stem)
+def test_every_sweep_that_comes_with_the_package_is_in_order(path):
+    planned = Sweep.from_toml(path)
+    grid = planned.build(planned.members - 1).grid
+    assert planned.build(0).state().shape == (2, *grid.shape)
+
+
+def test_members_are_numbered_in_c_order():
+    planned = fakes.sweep()
+    seen = [planned.member(number) for number in range(planned.members)]
+    expected = [
+        ({"alpha_p": p, "kappa": k}, s) for p in (0.1, 0.5, 1.0) for k in (0.0, 0.5) for s in (7, 8, 9, 10)
+    ]
+    assert seen == expected
+    assert all(isinstance(value, float) for point, _ in seen for value in point.values())
+
+
+def test_blocks_cover_every_member_once():
+    planned = fakes.sweep()
+    assert [len(planned.block(i).members) for i in range(planned.blocks)] == [5, 5, 5, 5, 4]
+    covered = [n for i in range(planned.blocks) for n in planned.block(i).members]
+    assert covered == list(range(planned.members))
+
+
+@pytest.mark.parametrize("number", [-1, 24, 1.0, "1", None, True])
+def test_members_and_blocks_that_do_not_exist_are_refused(number):
+    planned = fakes.sweep()
+    for look in (planned.member, planned.build, planned.block):
+        with pytest.raises(cy.InputError):
+            look(number)
+
+
+def test_a_member_has_its_parameters_its_grid_and_its_seeds_state():
+    planned = fakes.sweep(parameters={"mu": 0.07})
+    member = planned.build(9)
+    point, seed = planned.member(9)
+    assert member.params == cy.Parameters(mu=0.07, **point)
+    assert member.grid == fakes.GRID
+    assert np.array_equal(member.state(), cy.initial.disordered(fakes.GRID, seed=seed))
+
+
+def test_a_seed_gives_the_same_state_at_every_point():
+    planned = fakes.sweep()
+    by_seed = {}
+    for number in range(planned.members):
+        state, seed = planned.build(number).state(), planned.member(number)[1]
+        assert np.array_equal(by_seed.setdefault(seed, state), state)
+    states = list(by_seed.values())
+    assert len(states) == 4
+    assert not np.array_equal(states[0], states[1])
+
+
+def test_lengths_noise_and_magnitudes_can_be_swept():
+    axes = {"length": {"values": [2.0, 5.0]}, "filaments_per_square": {"values": [1e4, 1e6]}}
+    axes |= {"magnitude": {"values": [0.3, 0.6]}}
+    planned = Sweep.from_tables(
+        {"grid": {"n_theta": 8, "n_z": 8}, "initial": {"kind": "unidirectional"}, "axes": axes}
+    )
+    member = planned.build(planned.members - 1)
+    assert member.grid == cy.CylinderGrid(8, 8, 5.0)
+    assert planned.build(0).grid == cy.CylinderGrid(8, 8, 2.0)
+    expected = cy.initial.with_noise(cy.initial.unidirectional(fakes.GRID, 0.6), fakes.GRID, 1e6, 0)
+    assert np.array_equal(member.state(), expected)
+    assert "length" not in planned.tables["grid"]
+
+
+def test_an_ordered_state_without_noise():
+    planned = Sweep.from_tables(
+        {"initial": {"kind": "stripes", "stripes": 4}, "axes": {"kappa": {"values": [0.1]}}}
+    )
+    assert planned.members == 1
+    grid = cy.CylinderGrid()
+    assert np.array_equal(planned.build(0).state(), cy.initial.stripes(grid, 4))
+
+
+def test_spacing():
+    def values(**axis):
+        return Sweep.from_tables({"axes": {"alpha_u": axis}}).axes["alpha_u"]
+
+    assert values(start=0.0, stop=0.9, count=4) == (0.0, 0.3, 0.6, 0.9)
+    assert values(start=0.001, stop=1.0, count=4, spacing="log") == (0.001, 0.01, 0.1, 1.0)
+    assert values(values=[0.1, 7, 8.5]) == (0.1, 7.0, 8.5)
+    third = 1 / 3
+    assert values(start=third, stop=2 * third, count=2) == (third, 2 * third), (
+        "the ends are as they were given"
+    )
+
+
+def test_usual_blocks_are_whole_points_or_slices_of_one():
+    def block(seeds, **grid):
+        return fakes.sweep(ensemble={"seeds": seeds, "block": None}, grid=grid).block_size
+
+    assert [block(seeds) for seeds in (1, 4, 50, 64, 65, 100, 128, 400)] == [64, 64, 50, 64, 33, 50, 64, 50]
+    assert block(67) == 34, "a prime number is sliced all the same"
+    assert block(1, n_theta=2048, n_z=2048) == 4, "final states of a block fit into memory"
+
+
+def test_fields_of_parameters_must_fit_the_grid():
+    field = np.linspace(0, 1, 64).reshape(8, 8)
+    planned = fakes.sweep(parameters={"alpha_u": field.tolist()})
+    assert np.array_equal(planned.build(3).params.alpha_u, field)
+    assert planned.digest != fakes.sweep().digest
+    assert planned.digest != changed(parameters={"alpha_u": (field + 1e-15).tolist()})
+    assert Sweep.from_tables(json.loads(json.dumps(planned.tables))) == planned
+    with pytest.raises(cy.InputError, match="grid"):
+        fakes.sweep(parameters={"alpha_u": field[:, :7].tolist()})
+
+
+# What makes two sweeps one.
+
+
+def test_tables_are_complete_plain_and_stable():
+    planned = fakes.sweep()
+    again = Sweep.from_tables(json.loads(json.dumps(planned.tables)))
+    assert again.tables == planned.tables
+    assert again.axes == planned.axes
+    assert again == planned
+    assert hash(again) == hash(planned)
+    assert pickle.loads(pickle.dumps(planned)) == planned
+
+
+def test_the_digest_does_not_depend_on_how_it_is_written():
+    base = fakes.sweep().digest
+    assert changed(run={"t_end": 2000, "rtol": 1e-4}, initial={"kind": "disordered"}) == base
+    assert changed(axes={"kappa": {"values": [0, 0.5]}}) == base
+    assert changed(record={"quantities": ["budget", "rms_speed", "stripe_widths", "regime"]}) == base
+    backwards = dict(reversed(fakes.tables().items()))
+    assert Sweep.from_tables(backwards).digest == base
+
+
+def test_the_digest_covers_everything_that_decides_results():
+    variants = [
+        fakes.sweep().digest,
+        changed(parameters={"mu": 0.051}),
+        changed(grid={"n_z": 10}),
+        changed(grid={"length": 5.1}),
+        changed(initial={"filaments_per_square": 900.0}),
+        changed(initial={"noise_grid": [8, 8]}),
+        changed(axes={"kappa": {"values": [0.0, 0.5000000001]}}),
+        changed(ensemble={"seeds": 5}),
+        changed(ensemble={"first_seed": 6}),
+        changed(ensemble={"block": 6}),
+        changed(record={"quantities": ["budget"]}),
+        changed(record={"fields": True}),
+        *(
+            changed(run={key: value})
+            for key, value in {
+                "t_end": 100.0,
+                "finish": "t_end",
+                "precision": "float32",
+                "rtol": 1e-5,
+                "atol": 1e-9,
+                "dealias": "full",
+                "terms": ["bundling", "diffusion"],
+                "lanes": 4,
+            }.items()
+        ),
+    ]
+    assert len(set(variants)) == len(variants)
+
+
+def test_the_order_of_the_axes_matters():
+    axes = fakes.TABLES["axes"]
+    turned = fakes.tables() | {"axes": dict(reversed(axes.items()))}
+    assert Sweep.from_tables(turned) != fakes.sweep()
+
+
+def test_a_hundred_million_members_are_planned_at_once():
+    big = {
+        "axes": {
+            "alpha_p": {"start": 0.001, "stop": 1.0, "count": 1000},
+            "alpha_u": {"start": 0.001, "stop": 1.0, "count": 1000},
+        },
+        "ensemble": {"seeds": 100},
+    }
+    Sweep.from_tables(fakes.tables())  # imports are not planning
+    began = time.perf_counter()
+    planned = Sweep.from_tables(big)
+    assert planned.members == 10**8
+    assert planned.blocks == 2 * 10**6
+    assert planned.block(1_999_999).members[-1] == 10**8 - 1
+    assert planned.member(10**8 - 1) == ({"alpha_p": 1.0, "alpha_u": 1.0}, 99)
+    assert len(planned.digest) == 64
+    assert time.perf_counter() - began < 0.1
+    assert len(pickle.dumps(planned)) < 100_000
+
+
+# Initial states out of a file.
+
+
+@pytest.fixture
+def state_file(tmp_path):
+    path = tmp_path / "state.npy"
+    np.save(path, cy.initial.stripes(fakes.GRID, 2, 0.5))
+    return path
+
+
+def from_file(path, **initial):
+    return fakes.tables(initial={"kind": "file", "path": str(path)} | initial, ensemble={"seeds": 1})
+
+
+def test_a_state_out_of_a_file(state_file, monkeypatch):
+    monkeypatch.chdir(state_file.parent)
+    planned = Sweep.from_tables(from_file(state_file.name))
+    monkeypatch.chdir("/")
+    assert np.array_equal(planned.build(0).state(), np.load(state_file))
+    noisy = Sweep.from_tables(from_file(state_file, filaments_per_square=1000))
+    expected = cy.initial.with_noise(np.load(state_file), fakes.GRID, 1000, seed=7)
+    assert np.array_equal(noisy.build(0).state(), expected)
+
+
+def test_the_digest_covers_the_bytes_of_the_file_and_not_its_place(state_file, tmp_path):
+    base = Sweep.from_tables(from_file(state_file))
+    moved = tmp_path / "elsewhere.npy"
+    moved.write_bytes(state_file.read_bytes())
+    assert Sweep.from_tables(from_file(moved)) == base
+    np.save(state_file, 0.99 * np.load(state_file))
+    assert Sweep.from_tables(from_file(state_file)) != base
+
+
+def test_a_file_that_has_changed_is_refused_when_a_member_is_built(state_file):
+    planned = Sweep.from_tables(from_file(state_file))
+    np.save(state_file, 0.9 * np.load(state_file))
+    with pytest.raises(cy.InputError, match="restore"):
+        planned.build(0).state()
+    with pytest.raises(cy.InputError, match="sha256"):
+        Sweep.from_tables(planned.tables)
+
+
+def test_a_store_can_be_read_without_the_file(state_file):
+    planned = Sweep.from_tables(from_file(state_file, filaments_per_square=1000))
+    state_file.unlink()
+    assert Sweep.from_tables(planned.tables, files=False) == planned
+    with pytest.raises(cy.InputError, match="path"):
+        planned.build(0).state()
+
+
+# What is refused.
+
+
+def axis(**values):
+    return {"axes": {"alpha_p": values}}
+
+
+REFUSED = {
+    "axes missing": ({"axes": None}, "axes"),
+    "axes empty": ({"axes": {}}, "axes"),
+    "axes a number": ({"axes": 3}, "axes"),
+    "axis a number": ({"axes": {"alpha_p": 3}}, "axis alpha_p"),
+    "axis a list": ({"axes": {"alpha_p": [1, 2]}}, "axis alpha_p"),
+    "axis unknown": ({"axes": {"alpha_q": {"values": [1]}}}, "alpha_p"),
+    "axis a flag": ({"axes": {"zero_theta_flux": {"values": [0]}}}, "axes key"),
+    "axis a whole number": ({"axes": {"n_theta": {"values": [16]}}}, "axes key"),
+    "axis seed": ({"axes": {"seed": {"values": [1]}}}, "axes key"),
+    "axis key unknown": (axis(begin=1), "axis alpha_p key"),
+    "axis without values": (axis(values=[]), "values"),
+    "axis described twice": (axis(values=[1], start=0), "start of axis alpha_p"),
+    "axis half described": (axis(start=0.1, stop=1), "count of axis alpha_p"),
+    "axis empty table": (axis(), "start of axis alpha_p"),
+    "axis of nothing": (axis(start=0.1, stop=1, count=0), "count"),
+    "axis of one": (axis(start=0.1, stop=1, count=1), "count"),
+    "axis of half": (axis(start=0.1, stop=1, count=2.5), "count"),
+    "axis too long": (axis(start=0.1, stop=1, count=10**6), "count"),
+    "axis backwards": (axis(start=1, stop=0.1, count=3), "stop of axis"),
+    "axis on a point": (axis(start=1, stop=1, count=3), "stop of axis"),
+    "axis denser than numbers": (axis(start=1, stop=1 + 1e-12, count=50), "count of axis"),
+    "axis log from zero": (axis(start=0, stop=1, count=3, spacing="log"), "start of axis"),
+    "axis spacing": (axis(start=0.1, stop=1, count=3, spacing="cubic"), "spacing"),
+    "axis not a number": (axis(values=[float("nan")]), "values"),
+    "axis infinite": (axis(start=0.1, stop=float("inf"), count=3), "stop"),
+    "axis of texts": (axis(values=["a"]), "values"),
+    "axis with repeats": (axis(values=[0.1, 0.1]), "values"),
+    "axis unsorted": (axis(values=[0.2, 0.1]), "values"),
+    "axis out of range": (axis(values=[0.1, 2000]), "alpha_p"),
+    "axis from out of range": (axis(start=-1, stop=1, count=3), "alpha_p"),
+    "axis length out of range": ({"axes": {"length": {"values": [0]}}}, "length"),
+    "axis magnitude out of range": ({"axes": {"magnitude": {"values": [1.5]}}}, "magnitude"),
+    "axis that the state does not use": ({"axes": {"magnitude": {"values": [0.5]}}}, "magnitude"),
+    "axis and parameter": ({"parameters": {"alpha_p": 1.0}}, "alpha_p"),
+    "axis and length": ({"axes": {"length": {"values": [2]}}, "grid": {"length": 5.0}}, "length"),
+    "axis and noise": (
+        {
+            "axes": {"filaments_per_square": {"values": [900]}},
+            "initial": {"filaments_per_square": 1000},
+        },
+        "filaments_per_square",
+    ),
+    "too many": (
+        {
+            "axes": {
+                name: {"start": 0.1, "stop": 1, "count": 2000} for name in ("alpha_p", "alpha_u", "kappa")
+            },
+        },
+        "number of members",
+    ),
+    "too many seeds": ({"ensemble": {"seeds": 10**9}}, "number of members"),
+    "no seeds": ({"ensemble": {"seeds": 0}}, "seeds"),
+    "half a seed": ({"ensemble": {"seeds": 1.5}}, "seeds"),
+    "true seeds": ({"ensemble": {"seeds": True}}, "seeds"),
+    "negative seed": ({"ensemble": {"first_seed": -1}}, "first_seed"),
+    "no block": ({"ensemble": {"block": 0}}, "block"),
+    "seed of a run": ({"initial": {"seed": 3}}, "seed"),
+    "seeds without noise": ({"initial": {"kind": "unidirectional"}}, "seeds"),
+    "unknown table": ({"paramters": {}}, "did you mean parameters"),
+    "unknown parameter": ({"parameters": {"kapa": 1}}, "did you mean kappa"),
+    "unknown ensemble key": ({"ensemble": {"seed": 3}}, "did you mean seeds"),
+    "run of a single run": ({"run": {"save_every": 1.0}}, "save_every"),
+    "stepper": ({"run": {"stepper": "rk4"}}, "stepper"),
+    "finish": ({"run": {"finish": "soon"}}, "finish"),
+    "no time": ({"run": {"t_end": 0.0}}, "t_end"),
+    "no lanes": ({"run": {"lanes": 0}}, "lanes"),
+    "rtol in float32": ({"run": {"precision": "float32", "rtol": 1e-9}}, "rtol"),
+    "term twice": ({"run": {"terms": ["bundling", "bundling"]}}, "terms"),
+    "unknown term": ({"run": {"terms": ["nonsense"]}}, "terms"),
+    "unknown quantity": ({"record": {"quantities": ["mean_Q"]}}, "quantities"),
+    "quantity twice": ({"record": {"quantities": ["order", "order"]}}, "quantities"),
+    "no quantities": ({"record": {"quantities": []}}, "quantities"),
+    "fields a text": ({"record": {"fields": "yes"}}, "fields"),
+    "fields too large": (
+        {"record": {"fields": True}, "grid": {"n_theta": 4096, "n_z": 4096}, "ensemble": {"block": 64}},
+        "block",
+    ),
+    "too loud": ({"initial": {"filaments_per_square": 2.0}}, "filaments_per_square"),
+    "too loud for its order": (
+        {"initial": {"kind": "unidirectional", "filaments_per_square": 100.0}},
+        "filaments_per_square",
+    ),
+    "full order and noise": (
+        {"initial": {"kind": "unidirectional", "filaments_per_square": 1e9, "magnitude": 1.0}},
+        "filaments_per_square",
+    ),
+    "unresolved stripes": (
+        {"initial": {"kind": "stripes", "stripes": 12, "filaments_per_square": 1e6}},
+        "stripes",
+    ),
+    "odd stripes": ({"initial": {"kind": "stripes", "stripes": 3, "filaments_per_square": 1e6}}, "stripes"),
+    "no path": ({"initial": {"kind": "file"}}, "path"),
+    "no such file": ({"initial": {"kind": "file", "path": "/no/such.npy"}, "ensemble": {"seeds": 1}}, "path"),
+    "checksum without a file": ({"initial": {"sha256": "0" * 64}}, "sha256"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_mistakes_are_refused_in_one_sentence(case):
+    changes, named = REFUSED[case]
+    given = fakes.tables(**{k: v for k, v in changes.items() if isinstance(v, dict) and k != "axes"})
+    if "axes" in changes:
+        given["axes"] = changes["axes"]
+    with pytest.raises(cy.InputError) as refused:
+        Sweep.from_tables(given)
+    assert SENTENCE.match(str(refused.value))
+    assert named in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("given", [None, 3, [], "text", {1: {}}, {"axes": {1: {}}}])
+def test_what_is_no_configuration_is_refused(given):
+    with pytest.raises(cy.InputError):
+        Sweep.from_tables(given)
+
+
+def test_an_axis_written_twice_is_refused(tmp_path):
+    path = tmp_path / "twice.toml"
+    path.write_text("[axes]\nkappa = { values = [1.0] }\nkappa = { values = [2.0] }\n")
+    with pytest.raises(cy.InputError, match="valid TOML"):
+        Sweep.from_toml(path)
+
+
+def test_noise_is_refused_exactly_where_it_would_fail():
+    """The bound on |P| > 1 is met: what is accepted can be made, and far beyond it states do fail."""
+    with pytest.raises(cy.InputError) as refused:
+        fakes.sweep(initial={"filaments_per_square": 3.0}, ensemble={"seeds": 300})
+    enough = float(re.search(r"raise it to ([\d.]+)", str(refused.value)).group(1))
+    planned = fakes.sweep(initial={"filaments_per_square": enough}, ensemble={"seeds": 300})
+    largest = [np.hypot(*planned.build(number).state()).max() for number in range(300)]
+    assert 0.7 < max(largest) <= 1.0
+    largest = [np.hypot(*cy.initial.noise(fakes.GRID, 3.0, seed)).max() for seed in range(300)]
+    assert max(largest) > 1.0
+
+
+VALUES = [
+    *("nan", "inf", "-inf", "-1", "1e300", "1e-300", "0", "0.5", "3", "99999999999999999999999", "true"),
+    *('"text"', '""', '"\\u0000"', "[]", "[1, 2]", "[[1, 2], [3]]", '["order"]', '["nonsense"]', "{}"),
+    *("{values = [1.0]}", "{start = 0, stop = 1, count = 3}", "{start = nan, stop = 1, count = 3}"),
+    *("{start = 1, stop = 2, count = 99999999}", "{values = [nan]}", "{values = []}", "{values = 3}"),
+    *('{start = 1e-300, stop = 1, count = 3, spacing = "log"}', "1979-05-27", "07:32:00", "[nan]"),
+]
+KEYS = {
+    "parameters": ["alpha_p", "kappa", "mu", "alpha_q"],
+    "grid": ["n_theta", "n_z", "length", "n"],
+    "initial": ["kind", "seed", "filaments_per_square", "noise_grid", "magnitude", "path", "sha256"],
+    "axes": ["alpha_p", "alpha_u", "length", "filaments_per_square", "magnitude", "n_z", "zero_theta_flux"],
+    "ensemble": ["seeds", "first_seed", "block", "seed"],
+    "run": ["t_end", "finish", "precision", "rtol", "atol", "dealias", "terms", "lanes", "save_every"],
+    "record": ["quantities", "fields", "everything"],
+}
+BROKEN = [b"", b"\xff\xfe\x00", b"[axes", b"x = ", b"axes = 3", b"[[axes]]\n", b"a" * 10_000, b"\0" * 64]
+
+
+def broken(rng):
+    """Return a configuration file with one to four mutations of a good one."""
+    good = {"grid": {"n_theta": "8", "n_z": "8"}, "axes": {"kappa": "{values = [0.1, 0.2]}"}}
+    written = {name: dict(good.get(name, {})) for name in KEYS}
+    for _ in range(rng.randint(1, 4)):
+        name = rng.choice(list(KEYS))
+        written[name][rng.choice(KEYS[name])] = rng.choice(VALUES)
+    if rng.random() < 0.1:
+        written[rng.choice(["axis", "x y", "run2"])] = {"a": "1"}
+    lines = [f'["{n}"]\n' + "".join(f"{k} = {v}\n" for k, v in t.items()) for n, t in written.items()]
+    content = "".join(lines).encode()
+    if rng.random() < 0.1:
+        content = rng.choice(BROKEN)
+    if rng.random() < 0.1:
+        spot = rng.randrange(len(content) + 1)
+        content = content[:spot] + rng.randbytes(3) + content[spot:]
+    return content
+
+
+def test_broken_configurations_never_give_anything_but_a_sentence(tmp_path):
+    rng, refused, path = random.Random(20130827), 0, tmp_path / "sweep.toml"
+    for _ in range(400):
+        path.write_bytes(broken(rng))
+        planned, message = attempt(path)
+        if planned is None:
+            assert SENTENCE.match(message), path.read_bytes()
+            refused += 1
+        else:
+            assert Sweep.from_tables(json.loads(json.dumps(planned.tables))) == planned
+            assert planned.build(0).state().shape[0] == 2
+    assert refused > 200
+
+
+def attempt(path):
+    try:
+        return Sweep.from_toml(path), ""
+    except cy.InputError as error:
+        return None, str(error)
