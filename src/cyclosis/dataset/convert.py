@@ -6,11 +6,10 @@ import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
-import xarray
 
 from ..dynamics.advance import Progress
 from ..dynamics.frames import Frames
@@ -35,6 +34,9 @@ from .contents import (
 )
 from .netcdf import DAMAGED, check, damaged, joined, write_contents
 from .parts import MARKS, parts
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def to_dataset(run: Trajectory) -> xarray.Dataset:
@@ -70,6 +72,8 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     An unfinished run is opened as far as it was saved. Raises `InputError` for a file that is none, of
     another schema, truncated or altered.
     """
+    import xarray  # heavy, and of no use to those who only write files
+
     place = Path(path)
     standing = parts(place)
     if standing != [place]:
@@ -102,6 +106,8 @@ def load(
 
 
 def _dataset(contents: Contents, shape: tuple[int, int]) -> xarray.Dataset:
+    import xarray
+
     data: dict[str, Any] = {n: (v.dims, v.values, v.attributes) for n, v in contents.variables.items()}
     frames = list(contents.frames)
     for name, meaning in FIELDS.items():

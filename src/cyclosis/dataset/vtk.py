@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 from pyevtk.hl import gridToVTK
 from pyevtk.vtk import VtkGroup
 
 from ..model.errors import InputError
 from ..model.grid import Array
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: bool = False) -> Path:

@@ -1,12 +1,8 @@
-"""Runs, files and machines in a few lines of text."""
+"""Runs and their files in a few lines of text."""
 
 from __future__ import annotations
 
 import json
-import os
-import platform
-import shutil
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,27 +10,14 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray
 
-    from .analysis.regimes import Regime
-    from .dynamics.trajectory import Trajectory
-
-_PACKAGES = (
-    "cyclosis",
-    "jax",
-    "jaxlib",
-    "numpy",
-    "scipy",
-    "xarray",
-    "h5netcdf",
-    "h5py",
-    "matplotlib",
-    "contourpy",
-)
+    from ..analysis.regimes import Regime
+    from ..dynamics.trajectory import Trajectory
 
 
 def summary(run: Trajectory) -> str:
     """Return the outcome of a run: status, regime, zones, widths, speed and time."""
-    from .analysis.diagnostics import diagnose
-    from .analysis.regimes import regime
+    from ..analysis.diagnostics import diagnose
+    from ..analysis.regimes import regime
 
     found = regime(run.params, run.grid, run.final_state, run.terms, run.t_final)
     numbers = diagnose(run.params, run.grid, run.final_state, run.t_final, run.terms)
@@ -93,34 +76,3 @@ def _listed(values: dict[str, object]) -> str:
         f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
         for name, value in shown.items()
     )
-
-
-def machine() -> str:
-    """Return what this installation computes with: versions, devices, threads, precision, disk."""
-    import jax
-    import jax.numpy as jnp
-
-    from .model.precision import double
-
-    with double():
-        exact = float(jnp.asarray(1.0) + 1e-15) != 1.0
-    free = shutil.disk_usage(os.getcwd()).free / 2**30
-    devices = ", ".join(f"{device.platform} ({device.device_kind})" for device in jax.devices())
-    cpus = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    lines = {
-        "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
-        "packages": ", ".join(f"{name} {_version(name)}" for name in _PACKAGES),
-        "devices": devices,
-        "threads": f"{cpus} usable of {os.cpu_count()}",
-        "XLA_FLAGS": os.environ.get("XLA_FLAGS") or "not set",
-        "precision": "float64 works" if exact else "float64 DOES NOT WORK: reinstall jax",
-        "disk": f"{free:.1f} GiB free in {os.getcwd()}",
-    }
-    return "\n".join(f"{name:>10}  {text}" for name, text in lines.items())
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "missing"

@@ -1,0 +1,157 @@
+"""Sweeps, what they will cost and what has become of them, in a few lines of text."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model.errors import InputError
+
+if TYPE_CHECKING:
+    from ..sweep.estimate import Estimate
+    from ..sweep.plan import Sweep
+    from ..sweep.store import Store
+    from ..sweep.tally import SweepProgress, SweepSummary
+
+FEW = 10
+"""Failures that are listed one by one."""
+
+
+def plan(sweep: Sweep, cost: Estimate) -> str:
+    """Return what a sweep will compute and cost."""
+    run = sweep.tables["run"]
+    follow = "to their certain regimes, at most" if run["finish"] == "certified" else "each"
+    axes = [f"{name} {len(values)}" for name, values in sweep.axes.items()]
+    sample = f"{cost.sampled} {'run' if cost.sampled == 1 else 'runs'} spread over the axes"
+    each = f"{cost.member_seconds:.3g} s each, after {duration(cost.compiling)} of compiling"
+    return listed(
+        {
+            "sweep": " x ".join([*axes, f"seed {len(sweep.seeds)}"]),
+            "runs": f"{sweep.members}, {follow} to t = {run['t_end']:g}, {run['precision']}",
+            "blocks": f"{sweep.blocks} of {sweep.block_size} runs",
+            "time": f"about {duration(cost.seconds)} with {workers(cost.workers)} like this core",
+            "based on": f"{sample}, {each}",
+            "memory": f"{size(cost.memory)} a worker",
+            "disk": f"{size(cost.disk)} in {sweep.blocks} files",
+        }
+    )
+
+
+def ended(summary: SweepSummary) -> str:
+    """Return how a call of `run_sweep` or `repair` ended."""
+    lines = {"status": summary.message}
+    if summary.computed:
+        each = summary.core_seconds / summary.computed
+        crew = f"{summary.computed} runs, {workers(summary.workers)}"
+        lines |= {
+            "regimes": counts(summary.regimes),
+            "outcomes": counts(summary.statuses),
+            "wall time": f"{duration(summary.seconds)} for {crew}",
+            "cost": f"{each:.3g} core-seconds a run",
+        }
+    return listed(lines) + _failures(summary.aside)
+
+
+def status(store: Store, progress: Callable[[int, int], None]) -> str:
+    """Return what a store holds, having read all its blocks.
+
+    `progress` is called with the number of blocks read, and of all that stand.
+    """
+    from ..sweep.collect import ranges
+    from ..sweep.task import counted
+
+    sweep, standing, aside = store.sweep, sorted(store.present()), store.failed()
+    found: dict[str, Counter[str]] = {"regime": Counter(), "status": Counter()}
+    seconds, done, damaged = 0.0, 0, []
+    for number, index in enumerate(standing, 1):
+        try:
+            arrays: Mapping[str, Any] = store.read(index, ("regime", "status", "seconds"))
+        except InputError:
+            damaged.append(index)
+            continue
+        for name, counter in found.items():
+            counter.update(counted(arrays, name))
+        seconds += float(np.nansum(arrays["seconds"]))
+        done += len(sweep.block(index).members)
+        progress(number, len(standing))
+    lines = {
+        "store": f"{store.path}, begun {store.about['created']}",
+        "runs": f"{done} of {sweep.members} ({math.floor(100 * done / sweep.members)} %)",
+        "blocks": f"{len(standing)} of {sweep.blocks}",
+    }
+    if done:
+        lines["regimes"] = counts(dict(found["regime"].most_common()))
+        lines["outcomes"] = counts(dict(found["status"].most_common()))
+        lines["cost"] = f"{seconds / done:.3g} core-seconds a run"
+    if damaged:
+        lines["damaged"] = f"block {ranges(damaged)}; mend with: cyclosis sweep repair {store.path}"
+    return listed(lines) + _failures(aside)
+
+
+def verified(store: Store, bad: list[tuple[int, str]]) -> str:
+    """Return which blocks of a store are missing or damaged."""
+    from ..sweep.collect import ranges
+
+    kinds: dict[str, list[int]] = {}
+    for index, reason in bad:
+        kinds.setdefault(reason, []).append(index)
+    if not kinds:
+        return listed({"status": f"all {store.sweep.blocks} blocks of {store.path} are whole"})
+    lines = {"status": f"{len(bad)} of {store.sweep.blocks} blocks of {store.path} are missing or damaged"}
+    lines |= {reason: f"block {ranges(indices)}" for reason, indices in kinds.items()}
+    return listed(lines | {"mend them": f"cyclosis sweep repair {store.path}"})
+
+
+def told(now: SweepProgress) -> str:
+    """Return where a sweep stands in one line."""
+    parts = [f"{now.done} of {now.total} runs"]
+    if now.rate > 0:
+        parts.append(f"{now.rate:.3g}/s")
+    if now.left is not None and now.done < now.total:
+        parts.append(f"{duration(now.left)} left")
+    parts.append(workers(now.workers) if now.workers else "waiting for workers")
+    if now.aside:
+        parts.append(f"{now.aside} blocks set aside")
+    return ", ".join(parts) + (f"; {counts(now.regimes)}" if now.regimes else "")
+
+
+def listed(lines: Mapping[str, str]) -> str:
+    """Return lines of text, each under its name."""
+    width = max(18, *map(len, lines))
+    return "\n".join(f"{name:>{width}}  {text}" for name, text in lines.items())
+
+
+def counts(numbers: Mapping[str, int]) -> str:
+    """Return how many there are of each kind, such as "cyclosis 412, disordered 300"."""
+    return ", ".join(f"{name} {count}" for name, count in numbers.items())
+
+
+def workers(count: int) -> str:
+    """Return a number of workers in words."""
+    return "1 worker" if count == 1 else f"{count} workers"
+
+
+def duration(seconds: float) -> str:
+    """Return a time in the unit that suits it."""
+    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def size(count: float) -> str:
+    """Return a number of bytes in the unit that suits it."""
+    for unit, length in (("TB", 1e12), ("GB", 1e9), ("MB", 1e6)):
+        if count >= length:
+            return f"{count / length:.3g} {unit}"
+    return f"{count / 1e3:.3g} kB"
+
+
+def _failures(aside: Mapping[int, str]) -> str:
+    shown = [f"\n{f'block {index}':>18}  {reason}" for index, reason in sorted(aside.items())[:FEW]]
+    more = [f"\n{'':>18}  and {len(aside) - FEW} more"] if len(aside) > FEW else []
+    return "".join(shown + more)

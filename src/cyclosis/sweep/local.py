@@ -1,0 +1,106 @@
+"""A cluster on this machine: one process with one thread on every core, or on every GPU."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from distributed import Client, LocalCluster
+
+from .environment import accelerators, idlest_cores, wanted
+from .quiet import level, quiet
+
+PAUSE_SECONDS = 0.5
+"""Time after which a worker that died is started again."""
+
+
+@contextmanager
+def local_client(workers: int | None = None) -> Iterator[Client]:
+    """Provide a client of a cluster of `workers` processes, by default one a core or one a GPU.
+
+    Each has the environment of `cyclosis.sweep.environment` and stays on one core. A worker that dies is
+    started again. They never see Ctrl-C, and end with this process even if that is killed.
+    """
+    with (
+        quiet(),
+        LocalCluster(
+            n_workers=0,
+            threads_per_worker=1,
+            protocol="tcp://",
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+            silence_logs=level(),
+            scheduler_kwargs={"allowed_failures": 0},
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+        _staff(str(cluster.scheduler_address), workers),
+    ):
+        yield client
+
+
+@contextmanager
+def _staff(address: str, count: int | None) -> Iterator[None]:
+    keepers = [_Keeper(address, number, *place) for number, place in enumerate(places(count))]
+    try:
+        for keeper in keepers:
+            keeper.start()
+        yield
+    finally:
+        for keeper in keepers:
+            keeper.stop()
+
+
+def places(count: int | None) -> list[tuple[int | None, dict[str, str]]]:
+    """Return for every worker the core it stays on, if any, and what its environment is to have."""
+    gpus, idle, shared = accelerators(os.environ), idlest_cores(), wanted(os.environ)
+    if gpus:
+        count = count or len(gpus)
+        divided = {"XLA_PYTHON_CLIENT_PREALLOCATE": "false"} if count > len(gpus) else {}
+        return [
+            (None, shared | divided | {"CUDA_VISIBLE_DEVICES": gpus[n % len(gpus)]}) for n in range(count)
+        ]
+    return [(idle[n % len(idle)], shared) for n in range(count or len(idle))]
+
+
+class _Keeper(threading.Thread):
+    """Starts a worker, and starts it again whenever it has died."""
+
+    def __init__(self, address: str, number: int, core: int | None, environment: dict[str, str]) -> None:
+        super().__init__(daemon=True, name=f"keeper of worker {number}")
+        place = [] if core is None else [str(core)]
+        self.command = [sys.executable, "-m", "cyclosis.sweep.worker", address, str(number), *place]
+        self.environment = os.environ | environment | {"PYTHONPATH": _search_path()}
+        self.lock, self.stopped = threading.Lock(), threading.Event()
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def run(self) -> None:
+        """Keep a worker until `stop` is called."""
+        while True:
+            with self.lock:
+                if self.stopped.is_set():
+                    return
+                self.process = subprocess.Popen(
+                    self.command, env=self.environment, stdin=subprocess.PIPE, start_new_session=True
+                )
+            self.process.wait()
+            self.stopped.wait(PAUSE_SECONDS)
+
+    def stop(self) -> None:
+        """End the worker at once: its blocks are in the store, whole, or not at all."""
+        with self.lock:
+            self.stopped.set()
+            if self.process is not None:
+                self.process.kill()
+        self.join()
+        if self.process is not None and self.process.stdin is not None:
+            self.process.stdin.close()
+
+
+def _search_path() -> str:
+    """Return where modules are found in this process, for a worker to find the same ones."""
+    return os.pathsep.join(str(Path(place).absolute()) for place in sys.path)

@@ -1,0 +1,27 @@
+"""What Dask would say on the terminal, where the sweep itself says it better."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+def level() -> int:
+    """Return the level from which messages of Dask are shown: all if CYCLOSIS_TRACEBACK is set."""
+    return logging.NOTSET if os.environ.get("CYCLOSIS_TRACEBACK") else logging.CRITICAL
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Silence Dask in this process."""
+    handlers = logging.getLogger("distributed").handlers
+    before = [handler.level for handler in handlers]
+    for handler in handlers:
+        handler.setLevel(max(level(), handler.level))
+    try:
+        yield
+    finally:
+        for handler, old in zip(handlers, before, strict=True):
+            handler.setLevel(old)

@@ -1,0 +1,122 @@
+"""What a worker does: one block, from the store's configuration to a file in the store."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import cloudpickle
+import numpy as np
+import numpy.typing as npt
+
+from ..model.errors import InputError
+from ..version import __version__
+from .plan import Sweep
+from .store import Store
+from .variables import meanings
+
+Arrays = dict[str, npt.NDArray[Any]]
+Compute = Callable[[Sweep, int], Arrays]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a worker says of a block; the block itself is in the store.
+
+    `regimes` and `statuses` count members by name, `seconds` is the time on the clock that the block took.
+    `failure` says why it could not be computed, `obstacle` why nothing can be stored; both are empty if all
+    is well.
+    """
+
+    index: int
+    regimes: dict[str, int] = field(default_factory=dict)
+    statuses: dict[str, int] = field(default_factory=dict)
+    seconds: float = 0.0
+    failure: str = ""
+    obstacle: str = ""
+
+
+@dataclass(frozen=True)
+class BlockTask:
+    """Computes blocks of the sweep in a store, one a call, and writes them there.
+
+    `digest` is that of the sweep and `version` that of this package, lest a worker writes to another store
+    under the same name, or computes with another program. Without `compute` members are really computed.
+    """
+
+    folder: str
+    digest: str
+    compute: Compute | None = None
+    version: str = __version__
+
+    def __call__(self, index: int) -> Report:
+        """Compute a block unless it is there, and return what became of it."""
+        began = time.perf_counter()
+        try:
+            store, sweep = _opened(self.folder, self.digest, self.version)
+        except InputError as error:
+            return Report(index, obstacle=str(error))
+        if store.has(index):
+            return Report(index)
+        arrays = None
+        try:
+            arrays = (self.compute or _usual())(sweep, index)
+            store.write(index, arrays)
+        except Exception as error:
+            if arrays is not None and isinstance(error, InputError):  # the store cannot be written
+                return Report(index, obstacle=str(error))
+            return Report(index, seconds=time.perf_counter() - began, failure=described(error))
+        regimes, statuses = counted(arrays, "regime"), counted(arrays, "status")
+        return Report(index, regimes, statuses, time.perf_counter() - began)
+
+
+def portable(task: BlockTask) -> Callable[[int], Report]:
+    """Return the same task in a form that a scheduler can handle without having this package.
+
+    A scheduler takes apart what it is given to pass on. An inner function goes by value, and what it holds
+    are plain bytes.
+    """
+    packed = cloudpickle.dumps(task)
+
+    def compute(index: int) -> Report:
+        import pickle
+
+        unpacked: Callable[[int], Report] = pickle.loads(packed)
+        return unpacked(index)
+
+    return compute
+
+
+def described(error: BaseException) -> str:
+    """Return an exception in one line."""
+    if isinstance(error, InputError):
+        return str(error)
+    return " ".join(f"{type(error).__name__}: {error}".split())[:500]
+
+
+def counted(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> dict[str, int]:
+    """Return how many members have each value of a coded variable, `regime` or `status`."""
+    names = meanings("regimes" if name == "regime" else "outcomes")
+    codes, counts = np.unique(arrays[name], return_counts=True)
+    return {names[code]: int(count) for code, count in zip(codes, counts, strict=True) if code >= 0}
+
+
+def _usual() -> Compute:
+    from .block import compute  # loads JAX, which a client has no need of
+
+    return compute
+
+
+@lru_cache(maxsize=4)
+def _opened(folder: str, digest: str, version: str) -> tuple[Store, Sweep]:
+    if version != __version__:
+        raise InputError(
+            "version of cyclosis on a worker", __version__, version, "install the same everywhere"
+        )
+    store = Store(folder)
+    if store.digest != digest:
+        raise InputError("store", folder, "the one that the client sees", "let all of them reach one folder")
+    return store, store.sweep
