@@ -236,3 +236,28 @@ def test_large_fields_of_parameters_can_be_exported(tmp_path):
     for suffix in (".nc", ".zarr"):
         stored = read(export(store, tmp_path / f"out{suffix}"))
         assert stored.attrs["configuration"] == open_sweep(store.path).attrs["configuration"]
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".zarr"])
+def test_an_export_opens_like_the_store(tmp_path, suffix):
+    planned = fakes.sweep()
+    store = fakes.filled(Store.create(tmp_path / "store", planned))
+    target = export(store, tmp_path / f"out{suffix}")
+    names = ["regime", "t_order", "profile"]
+    with open_sweep(target, names) as found, open_sweep(tmp_path / "store", names) as expected:
+        assert set(found.data_vars) == set(names)
+        for name in names:
+            np.testing.assert_array_equal(found[name].values, expected[name].values)
+            assert found[name].dims == expected[name].dims
+        assert found.attrs["digest"] == expected.attrs["digest"]
+        assert found.regime.attrs["flag_meanings"] == expected.regime.attrs["flag_meanings"]
+    with pytest.raises(cy.InputError, match="export it as well"):
+        open_sweep(target, ["nonsense"])
+
+
+def test_what_is_no_export_is_refused(tmp_path):
+    path = tmp_path / "foreign.nc"
+    xarray.Dataset({"a": ("x", [1.0])}).to_netcdf(path, engine="h5netcdf")
+    for place in (path, tmp_path / "none.nc", tmp_path / "none.zarr"):
+        with pytest.raises(cy.InputError, match="sweep"):
+            open_sweep(place)

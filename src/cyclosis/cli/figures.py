@@ -66,7 +66,10 @@ _CUTS = Definition("cuts", "-", "values of the second axis", None, "numbers", -1
 
 @figures.command("phase-diagram")
 def phase_diagram(
-    store: Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a sweep's results.")],
+    store: Annotated[
+        Path,
+        typer.Argument(metavar="STORE", help="Folder of a sweep's results, or an export of it (.nc, .zarr)."),
+    ],
     out: Annotated[Path | None, typer.Option("--out", help="File to write; by default beside STORE.")] = None,
     kind: Annotated[
         Kind,
@@ -94,7 +97,7 @@ def phase_diagram(
 
     if cuts is not None and kind is not Kind.SHARE:
         raise InputError("cuts", cuts, "given with kind = share", "leave it out")
-    name = store.name if kind is Kind.SHARE else f"{store.name}-{kind}"
+    name = store.stem if kind is Kind.SHARE else f"{store.stem}-{kind}"
     target = out or store.with_name(f"{name}.png")
     dataset.check_writable(target, force)
     chosen: dict[str, Any] = {"select": dict(map(_selected, select or [])) or None, "log": log}

@@ -71,7 +71,8 @@ def run(
     chosen = Sweep.from_toml(config)
     with _client(scheduler, scheduler_file, workers) as client, _watching(json_lines, quiet) as progress:
         summary = run_sweep(chosen, out, client, workers=workers, progress=progress)
-    _end(summary, f"cyclosis sweep run {config} --out {out}", out, json_lines)
+    place = _again(scheduler=scheduler, scheduler_file=scheduler_file, workers=workers)
+    _end(summary, f"cyclosis sweep run {config} --out {out}{place}", out, json_lines)
 
 
 @sweeps.command()
@@ -88,7 +89,8 @@ def repair(
 
     with _client(scheduler, scheduler_file, workers) as client, _watching(json_lines, quiet) as progress:
         summary = mend(store, client, workers=workers, progress=progress)
-    _end(summary, f"cyclosis sweep repair {store}", store, json_lines)
+    place = _again(scheduler=scheduler, scheduler_file=scheduler_file, workers=workers)
+    _end(summary, f"cyclosis sweep repair {store}{place}", store, json_lines)
 
 
 @sweeps.command()
@@ -157,6 +159,12 @@ def _watching(json_lines: bool, quiet: bool) -> Iterator[Any]:
         else:
             with SweepBar(hidden=quiet) as bar:
                 yield bar
+
+
+def _again(**given: object) -> str:
+    """Return those options that were given, as they were."""
+    options = {name.replace("_", "-"): value for name, value in given.items() if value is not None}
+    return "".join(f" --{name} {value}" for name, value in options.items())
 
 
 def _end(summary: SweepSummary, again: str, store: Path, json_lines: bool) -> None:

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Iterable
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import xarray
@@ -25,9 +26,12 @@ def open_sweep(path: str | os.PathLike[str], variables: Iterable[str] | None = N
     `regime` and `status` are integer codes, explained by their attributes `flag_values` and `flag_meanings`.
     What has not been computed is missing: -1 in integers, NaN in numbers; the attributes `members_missing`
     and `blocks_missing` say how much and where. Every byte of every block is checked. Final fields `P` are
-    read, and checked again, only when they are used. Raises `InputError` if there is no store, a name is not
-    one of its variables, or a block is damaged.
+    read, and checked again, only when they are used. `path` may also be what `export` has written, `.nc` or
+    `.zarr`. Raises `InputError` if there is no store, a name is not one of its variables, or a block is
+    damaged.
     """
+    if os.fspath(path).endswith((".nc", ".zarr")):
+        return _exported(Path(path), variables)
     store = Store(path)
     sweep = store.sweep
     chosen = choose(sweep.variables, variables)
@@ -50,6 +54,24 @@ def open_sweep(path: str | os.PathLike[str], variables: Iterable[str] | None = N
     placed = {n: c for n, c in of_states(sweep).items() if n in used} | along_axes(sweep)
     coordinates = {name: (item.dims, item.values, item.attributes) for name, item in placed.items()}
     return xarray.Dataset(data, coordinates, _attributes(store, standing))
+
+
+def _exported(path: Path, variables: Iterable[str] | None) -> xarray.Dataset:
+    engine = "zarr" if path.suffix == ".zarr" else "h5netcdf"
+    try:
+        data = xarray.open_dataset(path, engine=engine, mask_and_scale=False)
+    except (OSError, ValueError, KeyError) as error:
+        rule = "the store of a sweep, or what was exported from one"
+        raise InputError("store", str(path), rule, "check the path") from error
+    if data.attrs.get("source") != SOURCE or "digest" not in data.attrs:
+        data.close()
+        raise InputError("store", str(path), "what was exported from the store of a sweep", "choose another")
+    names = [str(name) for name in data.data_vars] if variables is None else list(variables)
+    for name in names:
+        if name not in data.data_vars:
+            rule = "variables of the file: " + ", ".join(map(str, data.data_vars))
+            raise InputError("variables", name, rule, "export it as well")
+    return data[names]
 
 
 def choose(known: tuple[Variable, ...], names: Iterable[str] | None) -> list[Variable]:

@@ -81,7 +81,12 @@ class Crew:
         """Let some blocks be computed."""
         self._batches += 1  # a block that is tried again must not be taken for its former trial
         keys = [(self._name, index, self._batches) for index in batch]
-        futures = self.client.map(self._compute, batch, key=keys, pure=False)
+        try:
+            futures = self.client.map(self._compute, batch, key=keys, pure=False)
+        except Exception as error:  # the connection was lost at this very moment
+            for index in batch:
+                self._news.put(Answer(index, error))
+            return
         for index, future in zip(batch, futures, strict=True):
             self._flying[index] = future
             self._loop.add_callback(self._follow, index, future)

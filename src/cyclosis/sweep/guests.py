@@ -118,16 +118,17 @@ def remarks(greetings: Mapping[str, Any]) -> str:
     out = []
     missing = sorted({name for greeting in known for name in greeting.lacking})
     if missing:
-        out.append("without " + ", ".join(missing) + " in their environment they are slower")
+        out.append("their environment lacks " + ", ".join(missing))
     threads = max((greeting.threads for greeting in known), default=1)
     if threads > 1:
-        out.append(f"{threads} threads in one worker hinder each other: start it with --nthreads 1")
+        out.append(f"{threads} threads in one hinder each other, start it with --nthreads 1")
     here = versions()
     for name in DECISIVE:
         other = sorted({greeting.versions.get(name, "none") for greeting in known} - {here[name]})
         if other:
-            out.append(f"{name} {', '.join(other)} instead of {here[name]} may change the last digits")
-    return f"of the workers on the cluster: {'; '.join(out)} (see docs/sweeps.md)." if out else ""
+            out.append(f"{name} {', '.join(other)} instead of {here[name]} may change last digits")
+    told = "some workers of this cluster could do better: " + "; ".join(out)
+    return f"{told} (see docs/sweeps.md, On a cluster)." if out else ""
 
 
 def _obstacle(told: Any) -> str:

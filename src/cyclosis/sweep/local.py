@@ -6,17 +6,24 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import dask
 from distributed import Client, LocalCluster
 
 from .environment import accelerators, idlest_cores, wanted
 from .quiet import level, quiet
 
-PAUSE_SECONDS = 0.5
-"""Time after which a worker that died is started again."""
+SETTINGS = {"distributed.scheduler.worker-saturation": 1.0}
+"""A worker has one block, and the next when that is done: none waits beside one that kills its worker, and
+all workers finish at the same time."""
+SHORTEST, LONGEST = 0.5, 10.0
+"""Seconds after which a worker that died is started again: ever longer while it dies at once."""
+AT_ONCE = 20.0
+"""A worker that lives so many seconds has not died at once."""
 
 
 @contextmanager
@@ -28,6 +35,7 @@ def local_client(workers: int | None = None) -> Iterator[Client]:
     """
     with (
         quiet(),
+        dask.config.set(SETTINGS),
         LocalCluster(
             n_workers=0,
             threads_per_worker=1,
@@ -80,15 +88,22 @@ class _Keeper(threading.Thread):
 
     def run(self) -> None:
         """Keep a worker until `stop` is called."""
-        while True:
-            with self.lock:
-                if self.stopped.is_set():
-                    return
+        pause = SHORTEST
+        while not self.stopped.is_set():
+            began = time.monotonic()
+            with suppress(OSError):  # no process can be started at this moment
+                self._start()
+            if self.process is not None:
+                self.process.wait()
+            self.stopped.wait(pause)
+            pause = SHORTEST if time.monotonic() > began + AT_ONCE else min(2 * pause, LONGEST)
+
+    def _start(self) -> None:
+        with self.lock:
+            if not self.stopped.is_set():
                 self.process = subprocess.Popen(
                     self.command, env=self.environment, stdin=subprocess.PIPE, start_new_session=True
                 )
-            self.process.wait()
-            self.stopped.wait(PAUSE_SECONDS)
 
     def stop(self) -> None:
         """End the worker at once: its blocks are in the store, whole, or not at all."""
