@@ -5,7 +5,8 @@ python benchmarks/lanes.py [--lanes 1 2 4 8 32] [--n 48] [--precision float64] [
 Prints microseconds for one right-hand side of one member, and its ratio to the memory-bandwidth floor of its
 transforms: seven packed complex transforms, each read and written once at the bandwidth of a plain copy of
 a large array, measured beside it. On a CPU the arrays stay in its caches, so that the floor means little
-there. With --runs N, N members of Figure 5 are followed to their certain regimes as well, in each number of lanes.
+there. With --runs N, N members of Figure 5 are followed to their certain regimes as well, in each number of
+lanes.
 """
 
 from __future__ import annotations
