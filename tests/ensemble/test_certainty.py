@@ -114,7 +114,9 @@ def test_answers_do_not_depend_on_what_was_asked_before():
         )
 
     x = GRID.theta
-    stripes = [np.concatenate([0 * x, 0.9 * np.tanh(3 * np.sin(x + s))]) for s in (0.0, 1.0, 2.5)]
+    problem = reduced(cy.Parameters(alpha_p=0.3), GRID)
+    began = [np.concatenate([0 * x, 0.9 * np.tanh(3 * np.sin(x + s))]) for s in (0.0, 1.0, 2.5)]
+    stripes = [relax(problem, y, 20.0).y for y in began]
     uniform = np.concatenate([0 * x, np.full(48, -0.9)])
     fresh = [Certainty(cy.Parameters(alpha_p=0.3), GRID).judge(signs(y), True) for y in (*stripes, uniform)]
     busy = Certainty(cy.Parameters(alpha_p=0.3), GRID)

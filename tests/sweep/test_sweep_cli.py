@@ -91,7 +91,7 @@ def test_a_plan_is_based_on_members_computed_now(computed):
     folder, _ = computed
     out = started("plan", "tiny.toml", "--workers", "10", cwd=folder)
     assert out.returncode == 0, out.stderr
-    for text in ("alpha_p 2 x alpha_u 2 x seed 2", "4 of 2 runs", "10 workers", "compiling", "MB a worker"):
+    for text in ("alpha_p 2 x alpha_u 2 x seed 2", "4 of 2 runs", "10 workers", "compiling", "B a worker"):
         assert text in out.stdout
     assert "4 files" in out.stdout
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-import resource
-import sys
 import time
 from dataclasses import dataclass
 
 import numpy as np
+import psutil
 
 from .block import compute
 from .environment import accelerators, cores
@@ -29,8 +28,8 @@ class Estimate:
     """What a sweep will cost on `workers` like this process.
 
     `member_seconds` is the mean over `sampled` members, spread over the axes, that took `sample_seconds`
-    after the time `compiling`; `seconds` is the time of the whole. `memory` is the most that this process
-    held, in bytes, and `disk` the size of all blocks.
+    after the time `compiling`; `seconds` is the time of the whole. `memory` is what this process
+    holds in the end, in bytes, and `disk` the size of all blocks.
     """
 
     workers: int
@@ -69,7 +68,7 @@ def estimate(sweep: Sweep, workers: int | None = None, budget: float = BUDGET_SE
         sample_seconds=seconds,
         compiling=compiling,
         seconds=math.ceil(sweep.blocks / count) * block * seconds / sampled,
-        memory=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024),
+        memory=psutil.Process().memory_info().rss,
         disk=sweep.blocks * len(pack(sweep, 0, {n: np.repeat(a, block, axis=0) for n, a in arrays.items()})),
     )
 

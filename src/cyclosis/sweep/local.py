@@ -15,9 +15,9 @@ import dask
 from distributed import Client, LocalCluster
 
 from .environment import accelerators, idlest_cores, wanted
-from .quiet import level, quiet
+from .quiet import LIGHT, level, quiet
 
-SETTINGS = {"distributed.scheduler.worker-saturation": 1.0}
+SETTINGS = LIGHT | {"distributed.scheduler.worker-saturation": 1.0}
 """A worker has one block, and the next when that is done: none waits beside one that kills its worker, and
 all workers finish at the same time."""
 SHORTEST, LONGEST = 0.5, 10.0

@@ -7,6 +7,12 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+LIGHT = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.system-monitor.interval": "10s",
+}
+"""Settings of Dask that leave the processor to the work: nobody looks at its profiles and charts."""
+
 
 def level() -> int:
     """Return the level from which messages of Dask are shown: all if CYCLOSIS_TRACEBACK is set."""

@@ -12,10 +12,11 @@ import os
 import sys
 import threading
 
+import dask
 from distributed import Worker
 
 from .environment import settle
-from .quiet import quiet
+from .quiet import LIGHT, quiet
 
 
 def main(address: str, name: str, core: str = "") -> None:
@@ -23,7 +24,7 @@ def main(address: str, name: str, core: str = "") -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     if core:
         settle(int(core))
-    with quiet():
+    with quiet(), dask.config.set(LIGHT):
         asyncio.run(_serve(address, name))
 
 
