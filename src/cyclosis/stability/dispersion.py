@@ -1,9 +1,19 @@
-"""Growth of small perturbations of the two uniform states, in closed form.
+"""Growth of small perturbations of the uniform states, in closed form.
 
-Perturbations are waves exp(i (mθ + qz) + σt) with k² = m² + q² and G = 1/(1 + μk²). With a = α_p - d_r:
+Perturbations are waves exp(i (mθ + qz) + σt) with k² = m² + q² and G = 1/(1 + μk²). The base state is
+P = P0 e with the flow u = A P and d along an axis, or disorder (see `uniform`). With τ = α_p - κ (e·d)² +
+α_u A, so that (1 - P0²) τ = d_r, k∥ and k⊥ the wavenumbers along e and across, and
 
-* Disorder P = 0. A force |P|ⁿP with n > 0 has no linear part, so the flow drops out.
-* The unidirectional state P = P0 e_z, P0² = 1 - d_r/α_p, with u = 0 and Π₀ = P0ⁿ⁺¹, for d = e_theta.
+    W = (α_u + iε P0 k∥) G P0ⁿ/k²,    w = 1 - P0²,    D = -d_s k² - iε A P0 k∥,
+
+a wave's amplitudes along e and across obey the matrix
+
+    [ D - 2 (τ - d_r) - w α_u A + (n+1) w k⊥² W        -w k∥ k⊥ W                               ]
+    [ -(n+1) k∥ k⊥ W                                   D + κ (d∥² - d⊥²) - α_u A + k∥² W        ]
+
+for k ≠ 0. At k = 0 the mean of u_theta follows the force and no other part of the flow does: there the terms
+in W are replaced by (n+1) w α_u P0ⁿ on P_theta if that is the component along e, by α_u P0ⁿ if it is the
+one across, and by nothing with `zero_theta_flux`.
 
 Written for the force |P|ⁿP; n = 2 is the model of Woodhouse & Goldstein 2013. Own derivation, since their
 SI Text was not at hand. All quantities are dimensionless (rates per R/U).
@@ -17,25 +27,49 @@ import numpy.typing as npt
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
+from .uniform import OBLIQUE, Uniform, check_numbers, uniform
 
 Complex = npt.NDArray[np.complex128]
 
 
-def disorder_rates(params: Parameters, m: npt.ArrayLike, q: npt.ArrayLike) -> Array:
-    """Return the growth rates (..., 2) of waves about disorder, of P along d and of P across d.
+def growth_rates(
+    params: Parameters, base: str, m: npt.ArrayLike, q: npt.ArrayLike, root: int | None = None
+) -> Complex:
+    """Return the two growth rates σ (..., 2) of waves exp(i (mθ + qz)) about a uniform state.
 
-        along d:   σ = α_p - d_r - d_s k² - κ        across d:   σ = α_p - d_r - d_s k²
-
-    With d = e_theta these are P_theta and P_z. `m` and `q` (...) are wavenumbers around and along the cell
-    and broadcast. Raises `InputError` for fields and for a force exponent of 0, with which the flow acts
-    on the slightest order.
+    The one with the larger real part comes first; the imaginary part is minus the wave's frequency. `base` is
+    "disorder", "unidirectional" (P along e_z) or "circumferential" (P along e_theta). Where several such
+    states exist `root` counts them, from 0 for the largest |P|, which is the default. `m` and `q` (...) are
+    wavenumbers around and along the cell and broadcast; m = q = 0 is the uniform perturbation. Eigenvalues of
+    `growth_matrix`, dimensionless. Raises `InputError` as that does.
     """
-    _numbers(params)
-    if params.force_exponent == 0:
-        raise InputError("force_exponent", 0.0, "above 0, so that the flow drops out", "raise it")
-    k2 = np.square(np.asarray(m, dtype=np.float64)) + np.square(np.asarray(q, dtype=np.float64))
-    across = params.alpha_p - params.d_r - params.d_s * k2
-    return np.stack([across - params.kappa, across], axis=-1)
+    matrix = growth_matrix(params, base, m, q, root)
+    half = 0.5 * (matrix[..., 0, 0] - matrix[..., 1, 1])
+    mean = 0.5 * (matrix[..., 0, 0] + matrix[..., 1, 1])
+    split = np.sqrt(half**2 + matrix[..., 0, 1] * matrix[..., 1, 0])
+    return np.stack([mean + split, mean - split], axis=-1)
+
+
+def growth_matrix(
+    params: Parameters, base: str, m: npt.ArrayLike, q: npt.ArrayLike, root: int | None = None
+) -> Complex:
+    """Return the matrices (..., 2, 2) on (P_theta, P_z) of waves about a uniform state.
+
+    Arguments as in `growth_rates`, the equation above. About disorder, for which d may have any direction,
+
+        (α_p - d_r - d_s k²) I - κ dd    and for n = 0   + α_u (I - kk/k²) G ,
+
+    at k = 0 with e_theta e_theta (nothing with `zero_theta_flux`) in place of (I - kk/k²) G. Raises
+    `InputError` for fields, unknown bases, wavenumbers that are not finite, where there is no such state or
+    root, and for an oblique d, which would turn an ordered state.
+    """
+    check_numbers(params)
+    waves = np.broadcast_arrays(_wavenumbers("m", m), _wavenumbers("q", q))
+    state = uniform(params, base, root)
+    if state.order == 0:
+        return _disorder(params, *waves)
+    matrix = _ordered(params, state, waves[state.axis], waves[1 - state.axis])
+    return matrix if state.axis == 0 else matrix[..., ::-1, ::-1]
 
 
 def unidirectional_order(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> Array:
@@ -48,49 +82,6 @@ def unidirectional_order(params: Parameters, alpha_p: npt.ArrayLike | None = Non
     alpha = np.asarray(params.alpha_p if alpha_p is None else alpha_p, dtype=np.float64)
     weak = params.d_r / np.where(alpha > params.d_r, alpha, np.nan)
     return np.asarray(np.sqrt(1 - weak), dtype=np.float64)
-
-
-def unidirectional_matrix(params: Parameters, m: npt.ArrayLike, q: npt.ArrayLike) -> Complex:
-    """Return the matrices (..., 2, 2) on (P_theta, P_z) of waves about the unidirectional state.
-
-    With W = (α_u + iε P0 q) G P0ⁿ/k²,
-
-        [ -d_s k² - κ + W q²        -(n+1) m q W                              ]
-        [ -(d_r/α_p) m q W          -d_s k² - 2a + (n+1) (d_r/α_p) m² W       ]
-
-    and at k = 0 diag(-κ + α_u P0ⁿ, -2a): there the mean of u_theta follows the force, unless
-    `zero_theta_flux` holds it, and then α_u P0ⁿ is missing. `m` and `q` (...) are wavenumbers around and
-    along the cell and broadcast. Raises `InputError` for fields, if d repels along the cell, and where
-    α_p <= d_r.
-    """
-    order = float(unidirectional_order(params))
-    if not np.isfinite(order):
-        rule = f"above d_r = {params.d_r:g}, where the unidirectional state exists"
-        raise InputError("alpha_p", params.alpha_p, rule, "raise it")
-    m, q = np.broadcast_arrays(np.asarray(m, dtype=np.float64), np.asarray(q, dtype=np.float64))
-    k2 = m**2 + q**2
-    uniform = k2 == 0
-    push = order**params.force_exponent
-    W = (params.alpha_u + 1j * params.epsilon * order * q) * push / (1 + params.mu * k2)
-    W = np.where(uniform, 0.0, W / np.where(uniform, 1.0, k2))
-    steep, weak, a = params.force_exponent + 1, params.d_r / params.alpha_p, params.alpha_p - params.d_r
-    tilting = 0.0 if params.zero_theta_flux else params.alpha_u * push
-    found = np.empty((*k2.shape, 2, 2), dtype=np.complex128)
-    found[..., 0, 0] = -params.d_s * k2 - params.kappa + np.where(uniform, tilting, W * q**2)
-    found[..., 0, 1] = -steep * m * q * W
-    found[..., 1, 0] = -weak * m * q * W
-    found[..., 1, 1] = -params.d_s * k2 - 2 * a + steep * weak * m**2 * W
-    return found
-
-
-def unidirectional_rates(params: Parameters, m: npt.ArrayLike, q: npt.ArrayLike) -> Complex:
-    """Return the two growth rates σ (..., 2) of waves about the unidirectional state, the faster first.
-
-    Eigenvalues of `unidirectional_matrix`; a wave grows where the first has a positive real part.
-    """
-    rates = np.linalg.eigvals(unidirectional_matrix(params, m, q))
-    slowest_first = np.argsort(rates.real, axis=-1)
-    return np.asarray(np.take_along_axis(rates, slowest_first[..., ::-1], axis=-1), dtype=np.complex128)
 
 
 def tilt_threshold(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> Array:
@@ -110,8 +101,9 @@ def stripes_threshold(params: Parameters, alpha_p: npt.ArrayLike | None = None) 
 
         α_u = α_p (1 + μ) (2a + d_s) / [(n+1) d_r P0ⁿ],    for n = 2   α_p² (1 + μ) (2a + d_s) / (3 d_r a)
 
-    of the wave m = 1, q = 0, which is the first of all m. For `alpha_p` (...) in place of the parameters'
-    own. NaN where α_p <= d_r; infinite where d_r = 0. Raises `InputError` as `unidirectional_order`.
+    with a = α_p - d_r, of the wave m = 1, q = 0, which is the first of all m. For `alpha_p` (...) in place
+    of the parameters' own. NaN where α_p <= d_r; infinite where d_r = 0. Raises `InputError` as
+    `unidirectional_order`.
     """
     order = unidirectional_order(params, alpha_p)
     alpha = np.asarray(params.alpha_p if alpha_p is None else alpha_p, dtype=np.float64)
@@ -120,15 +112,55 @@ def stripes_threshold(params: Parameters, alpha_p: npt.ArrayLike | None = None) 
     return np.asarray(held / push if params.d_r > 0 else held * np.inf, dtype=np.float64)
 
 
-def _numbers(params: Parameters) -> None:
-    for name, value in params.items():
-        if isinstance(value, np.ndarray):
-            raise InputError(name, value, "one number for a closed form", "choose a number")
+def _ordered(params: Parameters, state: Uniform, along: Array, across: Array) -> Complex:
+    """Return the matrices on the components along and across the order of a state."""
+    p, n, k2 = params, params.force_exponent, along**2 + across**2
+    mean = k2 == 0
+    push, room = state.order**n, 1 - state.order**2
+    W = (p.alpha_u + 1j * p.epsilon * state.order * along) * push / (1 + p.mu * k2)
+    W = np.where(mean, 0.0, W / np.where(mean, 1.0, k2))
+    # What the force drives along e by its part along e, and across by its part across, for each unit of it.
+    whole = 0.0 if p.zero_theta_flux else p.alpha_u * push
+    head = np.where(mean, whole * (state.axis == 0), across**2 * W)
+    side = np.where(mean, whole * (state.axis == 1), along**2 * W)
+    torque = p.alpha_p - p.kappa * state.along + p.alpha_u * state.swept
+    both = -p.d_s * k2 - 1j * p.epsilon * state.swept * state.order * along - p.alpha_u * state.swept
+    found = np.empty((*k2.shape, 2, 2), dtype=np.complex128)
+    found[..., 0, 0] = both - 2 * (torque - p.d_r) + state.order**2 * p.alpha_u * state.swept
+    found[..., 0, 0] += (n + 1) * room * head
+    found[..., 0, 1] = -room * along * across * W
+    found[..., 1, 0] = -(n + 1) * along * across * W
+    found[..., 1, 1] = both + p.kappa * (state.along - state.across) + side
+    return found
+
+
+def _disorder(params: Parameters, m: Array, q: Array) -> Complex:
+    k2 = m**2 + q**2
+    mean = k2 == 0
+    d = np.array([np.cos(params.repulsion_angle), np.sin(params.repulsion_angle)])
+    alone = params.alpha_p - params.d_r - params.d_s * k2
+    found: Complex = (alone[..., None, None] * np.eye(2) - params.kappa * np.outer(d, d)).astype(complex)
+    if params.force_exponent == 0:
+        across = np.stack([np.where(mean, 1.0, q), np.where(mean, 0.0, -m)], axis=-1)
+        held = 0.0 if params.zero_theta_flux else 1.0
+        answer = params.alpha_u / (1 + params.mu * k2) * np.where(mean, held, 1 / np.where(mean, 1.0, k2))
+        found += answer[..., None, None] * across[..., :, None] * across[..., None, :]
+    return found
+
+
+def _wavenumbers(name: str, values: npt.ArrayLike) -> Array:
+    try:
+        found = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(name, values, "a number or an array of numbers", "give wavenumbers") from error
+    if not np.all(np.isfinite(found)):
+        raise InputError(name, values, "finite everywhere", "remove its NaN or infinite entries")
+    return found
 
 
 def _axial(params: Parameters) -> None:
     """Refuse parameters under which P0 e_z with that P0 is no steady state."""
-    _numbers(params)
-    if params.kappa > 0 and abs(np.sin(params.repulsion_angle)) > 1e-12:
+    check_numbers(params)
+    if params.kappa > 0 and abs(np.sin(params.repulsion_angle)) > OBLIQUE:
         rule = "0 or π, so that filaments along the axis feel no repulsion"
         raise InputError("repulsion_angle", params.repulsion_angle, rule, "change it or set kappa to 0")

@@ -16,9 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..analysis.zones import stripe_widths, zone_angles
 from ..model.errors import InputError, whole
 from ..model.grid import Array
 from ..model.parameters import Parameters
+from .eigenmodes import Modes, profile_modes
 
 SMALLEST = 1e-5
 """A state with no larger |P| counts as disorder."""
@@ -51,11 +53,31 @@ class Profile:
         Trigonometric interpolation, so that a resolved profile is exact between its points.
         """
         theta = np.asarray(angles, dtype=np.float64) - zone
-        m = np.arange(1, (self.theta.size + 1) // 2)
-        waves = np.sin(theta[..., None] * m)
-        sines = _sines(self.theta.size) * (4.0 / self.theta.size)
-        inner = slice(1, m.size + 1)
-        return waves @ (sines @ self.P[inner]), waves @ (sines @ self.u[inner])
+        n = self.theta.size
+        m = np.arange((n + 1) // 2)
+        waves = np.fft.rfft(np.stack([self.P, self.u]), norm="forward")[:, m] * np.where(m == 0, 1.0, 2.0)
+        angle = theta[..., None] * m
+        found = np.cos(angle) @ waves.real.T - np.sin(angle) @ waves.imag.T
+        return found[..., 0], found[..., 1]
+
+    @property
+    def widths(self) -> Array:
+        """Fractions (count,) of the turn that the stripes take, beginning with the one that points up."""
+        zones = zone_angles(self.P)
+        # The zone at 0 may be found on either side of it.
+        return stripe_widths(np.where(zones > 2 * np.pi - 1e-9, zones - 2 * np.pi, zones))
+
+    def spectrum(
+        self, count: int = 8, axial_mode: int = 0, length: float = 5.0, components: str = "both"
+    ) -> Modes:
+        """Return the `count` leading `Modes`: .eigenvalues (count,), largest real part first, and .modes.
+
+        Of perturbations v(theta) e^{iqz} with `axial_mode` waves along a cell of the given `length`
+        (dimensionless), on the right-hand side of the simulation. With axial_mode 0 `components` may be
+        "z", the paper's non-local Sturm-Liouville problem, or "theta". The neutral rotation is among
+        them, with the eigenvalue 0. Raises `InputError` for settings out of range.
+        """
+        return profile_modes(self.params, self.P, count, axial_mode, length, components)
 
 
 def cyclosis(params: Parameters, n_theta: int = 256) -> Profile:
@@ -77,7 +99,7 @@ def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
     count = whole("count", count, 2, n // 8, "choose an even number of stripes, or more points")
     if count % 2:
         raise InputError("count", count, "even, because stripes alternate", "choose an even number")
-    _check(params)
+    check(params)
     turns = count // 2
     problem = _Problem(params, n, turns)
     p = _steady(problem)
@@ -96,7 +118,7 @@ def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
     return Profile(theta, P, u, float(np.mean(_force(P, params.force_exponent))), residual, params, count)
 
 
-def _check(params: Parameters) -> None:
+def check(params: Parameters) -> None:
     """Refuse parameters under which stripes along the axis are no solution."""
     for name, value in params.items():
         if isinstance(value, np.ndarray):

@@ -1,0 +1,122 @@
+"""States of one dimension that drift about the axis at constant speed, or stand still.
+
+    P(theta, t) = P(theta - c t),     dP/dt + c P' = 0 .
+
+At small κ filaments lean towards the circumference: two tilted stripes, with a mean P_theta, that rotate
+as a whole. Seen from a frame that turns with them they are steady; profile and speed c are found together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..model.errors import InputError, choice, number, whole
+from ..model.grid import Array, CylinderGrid, interpolate
+from ..model.parameters import Parameters
+from ..model.precision import double
+from .reduced import Reduced, reduced
+from .relax import relax
+from .steady import rms, steady
+
+UNRESOLVED = 1e-2
+"""A state whose interpolant leaves a larger |dP/dt + c P'| between its points is refused."""
+UPRIGHT = 1e-6
+"""Root mean square of P_theta, or of what varies, below which stripes are not tilted, or no stripes."""
+LENGTH = 5.0
+HANDS = ("left", "right")
+
+
+@dataclass(frozen=True, eq=False)
+class Drifting:
+    """A state P(theta) that turns about the axis at the speed `drift` (positive towards growing theta).
+
+    `theta` (n_theta,) in radians; `P` and `u` (2, n_theta), filament order and flow with components
+    (theta, z); `residual` the largest |dP/dt + c P'| of the trigonometric interpolant on twice as many
+    points. All dimensionless: lengths in R, speeds in U.
+    """
+
+    theta: Array
+    P: Array
+    u: Array
+    drift: float
+    residual: float
+    params: Parameters
+
+    def state(self, grid: CylinderGrid) -> Array:
+        """Return the state (2, n_theta, n_z) of a whole cell, the same all along it."""
+        fine = interpolate(self.P[:, :, None], (grid.n_theta, 1))
+        return np.broadcast_to(fine, (2, *grid.shape)).copy()
+
+
+def drifting(
+    params: Parameters, n_theta: int = 128, hand: str = "right", duration: float = 200.0
+) -> Drifting:
+    """Return the two tilted stripes that drift about the axis, profile and speed together.
+
+    `hand` is "right" for a mean P_theta above zero and "left" for its mirror image, which drifts the other
+    way. A standard guess relaxes over `duration` and Newton's method does the rest, so what is found is
+    stable along theta; others lie on the branch through it (`continue_branch`). Raises `InputError` for
+    fields, and where stripes do not stay tilted or do not stay.
+    """
+    n = whole("n_theta", n_theta, 16, 8192, "choose a number of points")
+    lean = 1 - 2 * (choice("hand", hand, HANDS) == "left")
+    duration = number("duration", duration, 0.0, 1e6, "the default is 200")
+    for name, value in params.items():
+        if isinstance(value, np.ndarray):
+            raise InputError(name, value, "one number for a drifting state", "simulate a cell instead")
+    problem = reduced(params, CylinderGrid(n, 8, LENGTH))
+    theta = problem.turn / n * np.arange(n)
+    guess = np.concatenate([np.full(n, 0.5 * lean), 0.8 * np.tanh(3 * np.sin(theta))])
+    found = steady(problem, relax(problem, guess, duration).y)
+    if found is None:
+        raise _none(params, "the stripes come to no steady drift; try a longer duration")
+    both = found.y.reshape(2, n)
+    if rms(found.y - np.repeat(both.mean(axis=1), n)) < UPRIGHT:
+        raise _none(params, "the stripes vanish in a uniform state")
+    if np.sqrt(np.mean(both[0] ** 2)) < UPRIGHT:
+        raise _none(params, "the stripes straighten up and stand still: see cyclosis(params)")
+    state = drifting_state(problem, params, found.y, found.drift)
+    if state.residual > UNRESOLVED:
+        rule = f"enough to resolve the zones between stripes (|dP/dt| is {state.residual:.1g} between points)"
+        raise InputError("n_theta", n, rule, "double it")
+    return state
+
+
+def drifting_state(problem: Reduced, params: Parameters, y: Array, drift: float) -> Drifting:
+    """Return the `Drifting` of a solution y (2n,) of a reduced equation along theta."""
+    n = problem.n
+    theta = np.asarray(problem.turn / n * np.arange(n), dtype=np.float64)
+    left = between(reduced(params, CylinderGrid(2 * n, 8, LENGTH)), y, drift)
+    return Drifting(theta, y.reshape(2, n), flow(problem, y), drift, left, params)
+
+
+def flow(problem: Reduced, y: Array) -> Array:
+    """Return the flow (2, n) that a state y (2n,) drives."""
+    with double():
+        return np.asarray(_flow(problem.line, y))
+
+
+def between(finer: Reduced, y: Array, drift: float) -> float:
+    """Return the largest |dP/dt + c P'| of the interpolant of y on the points of a finer equation."""
+    filled = interpolate(y.reshape(2, -1, 1), (finer.n, 1)).ravel()
+    left = finer.rate(filled) + drift * finer.slope(filled)
+    return float(np.hypot(*left.reshape(2, -1)).max())
+
+
+@jax.jit
+def _flow(line: object, y: jax.Array) -> jax.Array:
+    n = y.size // 2
+    spectrum = jnp.fft.fft2(jax.lax.complex(y[:n], y[n:]).reshape(line.space.shape))  # type: ignore[attr-defined]
+    u = jnp.fft.ifft2(line.at(spectrum).flow_spectrum).ravel()  # type: ignore[attr-defined]
+    return jnp.stack([u.real, u.imag])
+
+
+def _none(params: Parameters, why: str) -> InputError:
+    point = ", ".join(f"{name} = {getattr(params, name):g}" for name in ("alpha_p", "alpha_u", "kappa"))
+    return InputError(
+        "the parameter point", point, f"where tilted stripes drift, and {why}", "change kappa or alpha_u"
+    )

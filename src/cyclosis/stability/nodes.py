@@ -1,0 +1,108 @@
+"""Points of a branch with all that is watched along it: the tangent and the growth rates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.grid import Array
+from ..model.parameters import Parameters
+from .curve import Curve
+from .leading import Vector, cutoff, leading, rate_scale
+from .steady import UNIFORM, rms
+
+NEUTRAL = 1e-10
+"""Growth rates smaller than this are not told from zero."""
+MOST_WAVES = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A point X of a curve (see `curve`), its unit tangent and the growth rates of its perturbations.
+
+    `along` (many,) are those of perturbations that do not vary along the cell, by decreasing real part, the
+    neutral shift left out; `across` (waves,) is the leading one at each axial wavenumber 1, 2, ...;
+    `residual` is what the equations leave between the grid points.
+    """
+
+    X: Array
+    tangent: Array
+    along: Vector
+    across: Vector
+    residual: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether every perturbation decays, faster than rounding can tell from none at all."""
+        return bool(self.along[0].real < -NEUTRAL and np.all(self.across.real < -NEUTRAL))
+
+    @property
+    def unstable(self) -> int:
+        """How many growth rates of the first kind are positive."""
+        return int(np.sum(self.along.real > NEUTRAL))
+
+    @property
+    def undecided(self) -> int:
+        """How many growth rates are not told from zero."""
+        rates = np.concatenate([self.along, self.across])
+        return int(np.sum(np.abs(rates.real) <= NEUTRAL))
+
+
+class Watch:
+    """Makes the nodes of a curve; `waves` says whether perturbations along the cell are looked at."""
+
+    def __init__(self, curve: Curve, waves: bool) -> None:
+        self.curve, self.waves = curve, waves
+
+    def node(self, X: Array, like: Array | None) -> Node:
+        """Return the `Node` at a point, its tangent pointing the way of `like`."""
+        return self.with_tangent(X, self.curve.tangent(X, like))
+
+    def with_tangent(self, X: Array, tangent: Array) -> Node:
+        """Return the `Node` at a point whose tangent is known."""
+        along = self.along(X)
+        across = self.across(X) if self.waves else along[:0]
+        return Node(X, tangent, along, across, self.curve.between(X))
+
+    def along(self, X: Array) -> Vector:
+        """Return the growth rates of perturbations that do not vary along the cell."""
+        curve = self.curve
+        slope = curve.slope(X[:-2])
+        neutral = slope if rms(slope) > UNIFORM else None
+        largest = cutoff(curve.at(curve.value(X)))
+        return leading(curve.operator(X), curve.problem(curve.value(X)).k, largest, neutral)
+
+    def across(self, X: Array, first: int = 1, last: int | None = None) -> Vector:
+        """Return the leading growth rate of each axial wavenumber, as seen from where the state stands.
+
+        It stops once the symmetric part of the matrix is negative and q > μ^(-1/2): from there on diffusion
+        grows with q while the flow's answer falls.
+        """
+        curve = self.curve
+        params = curve.at(curve.value(X))
+        problem, largest = curve.problem(curve.value(X)), cutoff(params)
+        turning = X[-2] * curve.derivative if X[-2] else 0.0
+        rates: list[complex] = []
+        for j in range(first, (last or most_waves(params, problem.wavenumber)) + 1):
+            matrix = problem.waves(X[:-2], j) + turning
+            rates.append(complex(leading(matrix, problem.k, largest)[0]))
+            if params.mu * (j * problem.wavenumber) ** 2 > 1 and _decays(matrix):
+                break
+        return np.array(rates)
+
+
+def most_waves(params: Parameters, spacing: float) -> int:
+    """Return how many axial wavenumbers, `spacing` apart, there may be that do not obviously decay."""
+    fastest = 2 * np.sqrt(rate_scale(params) / max(params.d_s, 1e-12))
+    friction = 1 / np.sqrt(max(params.mu, 1e-12))
+    return int(min(MOST_WAVES, np.ceil(max(fastest, friction) / spacing) + 1))
+
+
+def _decays(matrix: npt.NDArray[np.complex128]) -> bool:
+    try:
+        np.linalg.cholesky(-0.5 * (matrix + matrix.conj().T))
+    except np.linalg.LinAlgError:
+        return False
+    return True

@@ -1,0 +1,147 @@
+"""Where two equal stripes exist and where they are stable: values of α_u, each with its error.
+
+Existence ends below α_p = d_r + d_s in a fold (`fold`). At α_p = d_r + d_s the branch ends in disorder: with
+P = b sin θ the cubic force is (3/4) b³ sin θ + ... and db/dt = (3/4) [α_u/(1 + μ) - α_p] b³ + ..., which
+vanishes at α_u = α_p (1 + μ). Above, the state exists for every α_u. Stability is another question
+(`threshold`); the answers differ near d_r + d_s only. `crossings` tells how they are found on one grid;
+here they are found on two, and the error bar is the difference, plus what rounding can do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model.errors import InputError, flag, number, whole
+from ..model.parameters import Parameters
+from . import window
+from .crossings import Found, existing_from, stable_from
+from .equal import EqualStripes
+from .profile import check
+
+SIZES = (128, 192, 256, 384, 512, 768, 1024, 1536, 2048)
+"""Numbers of points around the cell; the error comes from a comparison with the next."""
+POINTS = 32.0
+"""Points that a turn needs for every zone width (2 d_s/a)^½ in a radian: P then is right to about 1e-11."""
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """The α_u above which two stripes exist, or are stable, and the error of that number, dimensionless.
+
+    `cause` says what grows, or what ends, below it; `n_theta` is the finer number of points.
+    """
+
+    alpha_u: float
+    error: float
+    cause: str
+    n_theta: int
+
+    def __float__(self) -> float:
+        return self.alpha_u
+
+
+def threshold(
+    params: Parameters, full: bool = False, length: float = 5.0, n_theta: int | None = None
+) -> float:
+    """Return α_u*, the least α_u above which the two-stripe state is stable at `params.alpha_p`.
+
+    Against perturbations of P_z that do not vary along the cell; with `full` against all, of both
+    components and with any number of waves along a cell of the given length. `params.alpha_u` plays no
+    part. `n_theta` is chosen by the width of the zones unless given. Dimensionless.
+
+    Where the state comes to life in a fold and is stable at once, it is the fold. Raises `InputError`
+    where zones are too narrow to be resolved, and with `full` where the state is never stable.
+    """
+    return threshold_with_error(params, full, length, n_theta).alpha_u
+
+
+def threshold_with_error(
+    params: Parameters, full: bool = False, length: float = 5.0, n_theta: int | None = None
+) -> Threshold:
+    """Return the `Threshold` of stability, see `threshold`."""
+    coarse, fine = _problems(params, n_theta)
+    lowest = stable_from(coarse)
+    if flag("full", full):
+        bracket = window.opening(coarse, lowest, length)
+        if bracket is not None:
+            return compared(window.zero(coarse, bracket), window.zero(fine, bracket), fine.n)
+    return compared(lowest, stable_from(fine), fine.n)
+
+
+def fold(params: Parameters) -> float:
+    """Return the α_u at which the branch of two stripes ends, at `params.alpha_p` <= d_r + d_s.
+
+    Below it there is no such state of any amplitude. At α_p = d_r + d_s, for the cubic force, it is the
+    pitchfork α_p (1 + μ). `params.alpha_u` plays no part. Raises `InputError` for larger α_p, where the
+    branch does not end.
+    """
+    return fold_with_error(params).alpha_u
+
+
+def fold_with_error(params: Parameters) -> Threshold:
+    """Return the `Threshold` of existence, see `fold`."""
+    coarse, fine = _problems(params, None)
+    onset = params.d_r + params.d_s
+    if params.alpha_p > onset * (1 + 1e-12):
+        rule = f"at most d_r + d_s = {onset:g}, since above it two stripes exist for every alpha_u"
+        raise InputError("alpha_p", params.alpha_p, rule, "lower it, or ask for the threshold of stability")
+    at_onset = params.alpha_p >= onset * (1 - 1e-12)
+    if params.force_exponent == 0 or (params.force_exponent == 2 and at_onset):
+        # A linear force makes stripes of infinitesimal order.
+        ends = (1 + params.mu) * (params.alpha_p if params.force_exponent else onset - params.alpha_p)
+        return Threshold(float(ends), 4e-16 * float(ends), "a pitchfork from disorder", fine.n)
+    return compared(existing_from(coarse), existing_from(fine), fine.n)
+
+
+def destabilised(
+    params: Parameters, length: float = 5.0, start: float | None = None, most: float = 10.0
+) -> Threshold | None:
+    """Return where two stripes lose stability again as α_u grows, against all perturbations.
+
+    The search begins at `start`, where they must be stable (default: just above the full threshold), and
+    ends at `most` with None if they still are. Raises `InputError` as `threshold`, and if the stripes
+    are not stable at `start`.
+    """
+    coarse, fine = _problems(params, None)
+    most = number("most", most, 1e-6, 1e3, "the default is 10")
+    # Shortly above a threshold the rate that vanishes there is told from zero.
+    begin = 1.001 * threshold(params, True, length) + 1e-6 if start is None else start
+    begin = number("start", begin, 0.0, most, "choose a smaller one")
+    bracket = window.closing(coarse, begin, most, length)
+    if bracket is None:
+        return None
+    return compared(window.zero(coarse, bracket), window.zero(fine, bracket), fine.n)
+
+
+def resolution(params: Parameters) -> int:
+    """Return a number of points that resolves the zones between two stripes at small α_u.
+
+    Raises `InputError` where that is more than 1536.
+    """
+    drive = max(params.alpha_p - params.d_r, params.d_s)
+    needed = POINTS * np.sqrt(drive / (2 * params.d_s)) if params.d_s > 0 else np.inf
+    for size in SIZES[:-1]:
+        if size >= needed:
+            return size
+    least = 0.5 * drive * (POINTS / SIZES[-2]) ** 2
+    rule = f"at least {least:.3g} at this alpha_p, so that {SIZES[-2]} points resolve the zones"
+    raise InputError("d_s", params.d_s, rule, "raise it, or take front_threshold")
+
+
+def _problems(params: Parameters, n_theta: int | None) -> tuple[EqualStripes, EqualStripes]:
+    check(params)
+    if n_theta is None:
+        first = resolution(params)
+        second = next(size for size in SIZES if size > first)
+    else:
+        first = whole("n_theta", n_theta, 32, 1536, "choose a number of points, or leave it out")
+        second = first + 2 * (first // 4)
+    return EqualStripes(params, 2, first), EqualStripes(params, 2, second)
+
+
+def compared(coarse: Found, fine: Found, n: int) -> Threshold:
+    """Return the `Threshold` that two grids give, the finer of n points."""
+    error = abs(coarse.alpha_u - fine.alpha_u) + max(coarse.rounding, fine.rounding)
+    return Threshold(fine.alpha_u, float(error), fine.cause, n)

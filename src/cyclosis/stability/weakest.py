@@ -1,0 +1,159 @@
+"""Which perturbation of two equal stripes grows fastest, of all that there are: both components, all waves.
+
+Perturbations that do not vary along the cell fall into those of P_theta, which feed on nothing but
+themselves, and the four families of P_z. Those with an axial wavenumber q mix the components, but
+
+* the reflection about the middle of a stripe, (v_θ, v_z)(θ) → (-v_θ, v_z)(π - θ), parts them into two sets;
+* half a turn of the surface, with v → v*, makes the matrix real on the waves sin mθ and i cos mθ.
+
+So one complex matrix of 2n becomes two real ones of n. The reflection needs d along an axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+
+from ..model.errors import InputError
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from .equal import Equal, EqualStripes
+from .families import OWN, ROTATION, SHAPES, WIDTHS
+from .reduced import reduced
+
+Vector = npt.NDArray[np.complex128]
+
+LONGEST_CELL = 200.0
+"""Longest cell whose waves are all looked at, in radii."""
+
+
+class Growth(NamedTuple):
+    """A growth rate, and of what: `cause` in words, `axial_mode` the number of its waves along the cell."""
+
+    rate: float
+    cause: str
+    axial_mode: int = 0
+
+
+CAUSES = {
+    OWN: "a fold of the branch",
+    WIDTHS: "stripes of unequal widths",
+    ROTATION: "bending of zones",
+    SHAPES: "a change of shape",
+}
+TILT = "a tilt of the filaments"
+
+
+class Perturbations:
+    """The growth rates of all perturbations of two equal stripes in a cell of a length, when asked for.
+
+    Raises `InputError` for a length that is not above 0 and at most 200.
+    """
+
+    def __init__(self, problem: EqualStripes, state: Equal, length: float) -> None:
+        if not 0 < length <= LONGEST_CELL:
+            rule = f"above 0 and at most {LONGEST_CELL:g}"
+            raise InputError("length", length, rule, "choose another length")
+        self.problem, self.state = problem, state
+        params = problem.params.replace(alpha_u=state.alpha_u)
+        self.most = _most_waves(params, 2 * np.pi / length)
+        self.mu = params.mu
+        self.whole = reduced(params, CylinderGrid(problem.n, max(8, 2 * self.most + 2), length))
+        self.y = np.concatenate([np.zeros(problem.n), state.P])
+
+    def growths(self) -> Iterator[Growth]:
+        """Yield the largest growth rate of each kind of perturbation, up to where all are sure to decay.
+
+        First the families of P_z, without the neutral rotation, then P_theta, then waves along the cell.
+        """
+        for growth, parts in self._kinds():
+            yield growth if parts is None else growth._replace(rate=_largest(parts))
+
+    def growing(self, but: str = "") -> Growth | None:
+        """Return a perturbation that grows, of any cause but one, or None."""
+        for growth, parts in self._kinds():
+            # What decays in energy needs no eigenvalues.
+            if parts is not None and not all(_decays(part) for part in parts):
+                growth = growth._replace(rate=_largest(parts))
+            if growth.rate > 0 and growth.cause != but:
+                return growth
+        return None
+
+    def rate(self, like: Growth) -> float:
+        """Return the growth rate of the same kind of perturbation as another."""
+        if like.axial_mode:
+            return _largest(self._parts(like.axial_mode))
+        if like.cause == TILT:
+            return _largest(self._tilt())
+        return self._family(next(family for family, cause in CAUSES.items() if cause == like.cause))
+
+    def _family(self, family: str) -> float:
+        rates = self.problem.rates(self.state, family)
+        if family == ROTATION:
+            rates = np.delete(rates, np.argmin(np.abs(rates)))
+        return float(rates[0])
+
+    def _tilt(self) -> list[Array]:
+        n = self.problem.n
+        return [self.whole.jacobian(self.y)[:n, :n]]
+
+    def _kinds(self) -> Iterator[tuple[Growth, list[Array] | None]]:
+        """Yield each kind with its rate, or with the matrices that have it as an eigenvalue."""
+        for family, cause in CAUSES.items():
+            yield Growth(self._family(family), cause), None
+        yield Growth(-np.inf, TILT), self._tilt()
+        for j in range(1, self.most + 1):
+            parts = self._parts(j)
+            yield Growth(-np.inf, _waves(j), j), parts
+            # From here on diffusion grows with q while the flow's answer falls.
+            if self.mu * (j * self.whole.wavenumber) ** 2 > 1 and all(_decays(part) for part in parts):
+                break
+
+    def _parts(self, j: int) -> list[Array]:
+        matrix = self.whole.waves(self.y, j)
+        return [(basis.conj().T @ matrix @ basis).real for basis in reflections(self.problem.n)]
+
+
+@lru_cache(maxsize=4)
+def reflections(n: int) -> tuple[Vector, Vector]:
+    """Return the bases (2n, size) of waves on (v_θ, v_z) that the two symmetries above keep apart."""
+    theta = 2 * np.pi / n * np.arange(n)
+    m = np.arange((n + 1) // 2)
+    sines, cosines = np.sin(np.outer(theta, m)), np.cos(np.outer(theta, m))
+    # About the middle of a stripe, at π/2: f(π - θ) = f(θ) and f(π - θ) = -f(θ).
+    even = np.concatenate([sines[:, 1::2], 1j * cosines[:, ::2]], axis=1)
+    odd = np.concatenate([sines[:, 2::2], 1j * cosines[:, 1::2]], axis=1)
+    first, second = (
+        scipy.linalg.block_diag(wave / np.linalg.norm(wave, axis=0), other / np.linalg.norm(other, axis=0))
+        for wave, other in ((odd, even), (even, odd))
+    )
+    return first, second
+
+
+def _largest(parts: list[Array]) -> float:
+    return max(float(np.linalg.eigvals(part).real.max()) for part in parts)
+
+
+def _decays(part: Array) -> bool:
+    """Return whether the symmetric part of a matrix is negative, so that no energy grows."""
+    try:
+        np.linalg.cholesky(-0.5 * (part + part.T))
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _most_waves(params: Parameters, spacing: float) -> int:
+    """Return a number of waves beyond which diffusion along the cell outdoes all that drives."""
+    driving = float(params.alpha_p + 3 * params.alpha_u + params.d_r)
+    fastest = 2 * np.sqrt(driving / params.d_s) + params.epsilon / params.d_s
+    return int(np.ceil(max(fastest, 1 / np.sqrt(max(params.mu, 1e-12))) / spacing) + 1)
+
+
+def _waves(j: int) -> str:
+    return "one wave along the cell" if j == 1 else f"{j} waves along the cell"
