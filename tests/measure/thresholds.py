@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 import cyclosis as cy
-from cyclosis.stability import crossings, elliptic, equal, neighbourhood, thresholds
+from cyclosis.stability import crossings, elliptic, equal, onset, thresholds
 
 from . import Row, extended
 
@@ -69,7 +69,7 @@ def existence():
     law = "pitchfork at alpha_p = d_r + d_s"
     rows.append(Row(law, "alpha_u - 0.0525", abs(thresholds.fold(params(0.05)) - 0.0525), 1e-15))
     rows.append(Row(law, "fold 1e-9 below it - 0.0525", near - 0.0525, 1e-4, 0.0))
-    alpha_p, alpha_u = neighbourhood.corner(params(0.05))
+    alpha_p, alpha_u = onset.corner(params(0.05))
     law = "corner of existence and stability"
     return [*rows, Row(law, "alpha_p", alpha_p, 0.05, 0.045), Row(law, "alpha_u", alpha_u)]
 

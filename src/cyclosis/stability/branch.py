@@ -12,11 +12,11 @@ from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from .curve import Curve
-from .drifting import LENGTH, Drifting, drifting_state
 from .leading import Vector
 from .special import varying
 from .steady import UNIFORM, rms
 from .switching import other_branch, symmetric_branch
+from .travelling import LENGTH, Drifting, drifting_state
 
 if TYPE_CHECKING:
     import xarray

@@ -21,12 +21,12 @@ from ..model.grid import Array, CylinderGrid, interpolate
 from ..model.parameters import Parameters
 from .branch import Branch
 from .curve import Curve
-from .drifting import LENGTH, flow
 from .leading import Vector
 from .nodes import Node, Watch, most_waves
 from .sentences import end_point, special_point
 from .steady import UNIFORM, rms
 from .track import Track
+from .travelling import LENGTH, flow
 
 NUMBERS = ("alpha_p", "alpha_u", "epsilon", "d_s", "d_r", "kappa", "mu", "repulsion_angle", "force_exponent")
 FINER = 4

@@ -19,9 +19,9 @@ import numpy as np
 from ..model.definitions import definition
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
-from .drifting import between
 from .reduced import Reduced, reduced
 from .steady import UNIFORM, rms
+from .travelling import between
 
 TOLERANCE = 1e-11
 """Root mean square of what is left of the equations below which a point counts as found."""

@@ -48,7 +48,7 @@ STEADY = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class CellModes:
     """Modes v e^{λt} of small perturbations of a state that moves at `drift` (2,), dimensionless.
 
     `eigenvalues` λ (count,), the largest real part first; `modes` v (count, 2, n_theta, n_z), complex, with
@@ -74,7 +74,7 @@ def leading_modes(
     *,
     terms: Iterable[TermLike] | None = None,
     dealias: str = "none",
-) -> Modes:
+) -> CellModes:
     """Return the `count` modes of largest growth rate about a steady or steadily moving state.
 
     `state` is P (2, n_theta, n_z), or what `steady_state` returned; `terms` and `dealias` are those it is
@@ -94,7 +94,7 @@ def leading_modes(
         raise InputError("count", count, rule, "ask for more or fewer modes")
     shifts = _share(vectors, problem.directions(vector) @ problem.slopes(vector))
     fields = np.stack([_field(problem, v) for v in vectors])
-    return Modes(values, fields, residuals, shifts, drift, grid)
+    return CellModes(values, fields, residuals, shifts, drift, grid)
 
 
 def _drift(problem: Plane, vector: Array, P: Array) -> Array:
@@ -120,7 +120,7 @@ def _rough(operator: Linearised, problem: Plane, count: int) -> Array:
         for _ in range(DEPTH):
             block = _orthonormal(operator.evolved(block, step, STEPS), space)
             space = np.concatenate([space, block])
-        block = _leading(operator, space, count)
+        block = _leading(operator, space, count, count + SPARE)
         values, _, residuals = _ritz(operator, block)
         if np.all(residuals[:count] < ROUGH * np.maximum(1.0, np.abs(values[:count]))):
             break
@@ -135,7 +135,7 @@ def _refined(operator: Linearised, space: Array, local: float, count: int) -> tu
             break
         steps = [_correction(operator, space, local, *pair) for pair in zip(values, vectors, strict=True)]
         grown = np.concatenate([space, _orthonormal(np.concatenate(steps), space)])
-        space = _leading(operator, grown, count)
+        space = _leading(operator, grown, len(space), len(space))
     return values[:count], vectors[:count], residuals[:count]
 
 
@@ -161,8 +161,8 @@ def _ritz(operator: Linearised, space: Array) -> tuple[Complex, Complex, Array]:
     return values, vectors, np.linalg.norm(turned - values[:, None] * vectors, axis=1)
 
 
-def _leading(operator: Linearised, space: Array, count: int) -> Array:
-    """Return orthonormal rows for the `count` leading Ritz values and up to `SPARE` more, cut at a gap.
+def _leading(operator: Linearised, space: Array, least: int, most: int) -> Array:
+    """Return orthonormal rows for the leading Ritz values, `least` to `most` of them, cut at the widest gap.
 
     By way of Schur's form: balancing, as general eigenvalue routines do it, blows up the rounding errors that
     are left between the space and a step that has become small.
@@ -172,8 +172,7 @@ def _leading(operator: Linearised, space: Array, count: int) -> Array:
     values, vectors = scipy.linalg.eig(triangle)
     order = np.argsort(-values.real, kind="stable")
     growth = values.real[order]
-    gaps = growth[count - 1 : count + SPARE] - growth[count : count + SPARE + 1]
-    size = count + int(np.argmax(gaps))
+    size = least + int(np.argmax(growth[least - 1 : most] - growth[least : most + 1]))
     chosen = turn @ vectors[:, order[:size]]
     real = np.linalg.svd(np.concatenate([chosen.real, chosen.imag], axis=1), full_matrices=False)[0]
     return np.ascontiguousarray(real[:, :size].T @ space)

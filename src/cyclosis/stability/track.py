@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .drifting import UNRESOLVED
 from .nodes import Node, Watch
 from .special import Between, Event, LostError
+from .travelling import UNRESOLVED
 
 SHORTEST = 1e-4
 """Shortest step, relative to the longest."""

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.drifting import drifting
+from cyclosis.stability.travelling import drifting
 
 N = 64
 
