@@ -1,6 +1,6 @@
 """Every number by which the model is validated, beside its bound, as Markdown tables.
 
-    python benchmarks/validation.py                     # all, a few minutes
+    python benchmarks/validation.py                     # all, some ten minutes
     python benchmarks/validation.py profile dispersion  # some
 
 The same functions measure in the tests of `tests/physics`. The exit code is 0 only if all bounds are met.
@@ -22,6 +22,10 @@ SECTIONS = {
     "dispersion": "Growth of small disturbances",
     "profile": "Steady cyclosis",
     "laws": "Laws",
+    "spectra": "Spectra of stripes",
+    "thresholds": "Thresholds of existence and stability",
+    "whole_cell": "Modes of the whole cell",
+    "continuation": "Branches of states",
 }
 
 

@@ -19,7 +19,7 @@ from ..model.grid import Array
 from . import style
 from .style import INK, LEGEND, QUIET, SHADE, ZONE
 from .swept import Axis, Codes, Swept
-from .thresholds import DISORDER, STRIPES, TILT, Curve
+from .thresholds import DISORDER, EXISTS, STABLE, STRIPES, TILT, Curve
 
 # All run from light to dark, so that they read in grayscale and for every kind of colour vision.
 SHARE = LinearSegmentedColormap.from_list(
@@ -36,8 +36,15 @@ NONE = ZONE
 """Cells in which none of the members is of the kind shown."""
 DISORDERED = SHADE
 """Cells without an ordered member."""
-STYLES = {DISORDER: (0, (1, 1.4)), TILT: (0, (4.5, 1.8)), STRIPES: (0, (6, 1.6, 1, 1.6))}
-"""Line styles of the closed forms."""
+_GREEN = "#1f5c2c"
+STYLES: dict[str, tuple[str, Any]] = {
+    DISORDER: (INK, (0, (1, 1.4))),
+    TILT: (INK, (0, (4.5, 1.8))),
+    STRIPES: (INK, (0, (6, 1.6, 1, 1.6))),
+    STABLE: (INK, "-"),
+    EXISTS: ("#87ec98", (0, (2.5, 2.5))),
+}
+"""Colours and line styles of theory's own curves."""
 FURTHER: tuple[Any, ...] = ("-", (0, (3, 1.2)), (0, (1, 1.2)), (0, (8, 2)))
 """Line styles, in turn, of other curves, which are dark green."""
 MISSING = "//////"
@@ -211,17 +218,19 @@ def draw_curves(ax: Any, curves: Sequence[Curve]) -> list[Any]:
     for curve in curves:
         others = sum(before.name not in STYLES for before in curves[: len(lines)])
         known = curve.name in STYLES
-        (line,) = ax.plot(
+        colour, line = STYLES.get(curve.name, (_GREEN, FURTHER[others % len(FURTHER)]))
+        (drawn,) = ax.plot(
             curve.x,
             curve.y,
-            color=INK if known else "#1f5c2c",
+            color=colour,
             linewidth=1.2 if known else 1.4,
-            linestyle=STYLES[curve.name] if known else FURTHER[others % len(FURTHER)],
+            linestyle=line,
             label=curve.name,
-            path_effects=cased(2.6),
+            # Where both limits of stripes are one, the dashes of the second lie on the line of the first.
+            path_effects=None if curve.name == EXISTS else cased(2.6),
             zorder=4,
         )
-        lines.append(line)
+        lines.append(drawn)
     return lines
 
 

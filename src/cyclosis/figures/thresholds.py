@@ -1,8 +1,9 @@
-"""Thresholds of theory over the axes of a sweep: closed forms, and whatever curves the caller adds."""
+"""Thresholds of theory over the axes of a sweep, and whatever curves the caller adds."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.dispersion import stripes_threshold, tilt_threshold
+from ..stability.limits import ALONG, quick_limits
 from .swept import Axis
 
 POINTS = 600
@@ -19,6 +21,10 @@ POINTS = 600
 DISORDER = "$α_p = d^{(r)}$"
 TILT = "U tilts beyond"
 STRIPES = "U breaks into stripes beyond"
+EXISTS = "C exists beyond"
+STABLE = "C stable beyond"
+PLACES = 40
+"""Points along a curve that takes Newton's method."""
 
 
 class Curve(NamedTuple):
@@ -30,11 +36,13 @@ class Curve(NamedTuple):
 
 
 def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[Curve]:
-    """Return the closed-form thresholds over one or two swept axes, or none where they do not apply.
+    """Return the thresholds over one or two swept axes, or none where they do not apply.
 
     * α_p = d_r, beyond which disorder is unstable, where either is an axis.
     * the α_u beyond which the unidirectional state tilts or breaks into stripes (`tilt_threshold`,
       `stripes_threshold`), where α_u is an axis: against whatever the other axis is.
+    * the α_u beyond which two stripes exist (a fold, below α_p = d_r + d_s), and beyond which they are stable
+      against unequal widths, likewise.
 
     Over one axis a threshold is the upright line of its value, from y = 0 to 100 (percent).
     """
@@ -43,6 +51,7 @@ def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[Curve]:
     found = [_disorder(params, axes)]
     for name, threshold in ((TILT, tilt_threshold), (STRIPES, stripes_threshold)):
         found.append(_alignment(name, threshold, params, axes))
+    found += _stripes(params, axes)
     return [curve for curve in found if curve is not None and np.isfinite(curve.x + curve.y).any()]
 
 
@@ -90,6 +99,55 @@ def _alignment(
             values[k] = np.nan
     values[~np.isfinite(values)] = np.nan
     return _crossing(name, axes, place, values)
+
+
+def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
+    """Return where two stripes exist and where they are stable, if α_u is an axis."""
+    names = [axis.name for axis in axes]
+    if "alpha_u" not in names:
+        return []
+    place = names.index("alpha_u")
+    other = names[1 - place] if len(axes) == 2 else None
+    low = float(axes[place].edges[0])
+    if other not in ALONG:
+        pair = _limits(params, None, 0.0)
+        return [
+            _crossing(name, axes, place, np.full(POINTS, value))
+            for name, value in zip((STABLE, EXISTS), pair[::-1], strict=True)
+            if value > low
+        ]
+    line = axes[1 - place].between(2 * PLACES)
+    # Curves are steep where stripes begin, however wide the axis.
+    near = np.geomspace(max(line[0], 1e-3 * line[-1]), line[-1], PLACES)
+    onset = [params.d_r + params.d_s] if other == "alpha_p" else []
+    at = np.unique(np.concatenate([line[::2], near, onset]))
+    at = at[(at >= line[0]) & (at <= line[-1])]
+    pairs = np.full((at.size, 2), np.nan)
+    for k, value in enumerate(at):
+        pairs[k] = _limits(params, other, float(value))
+        if other == "alpha_p" and value > params.d_r + params.d_s and pairs[k, 1] < low:
+            break  # from here on stripes are stable wherever the axis reaches
+    pairs[pairs[:, 0] == 0, 0] = np.nan
+    return [
+        Curve(name, *((at, values) if place == 1 else (values, at)))
+        for name, values in zip((STABLE, EXISTS), pairs.T[::-1], strict=True)
+    ]
+
+
+def _limits(params: Parameters, name: str | None, value: float) -> tuple[float, float]:
+    numbers = tuple(sorted((key, number) for key, number in params.items() if key not in ("alpha_u", name)))
+    if any(isinstance(number, np.ndarray) for _, number in numbers):
+        return np.nan, np.nan
+    return _remembered(numbers, name, value)
+
+
+@lru_cache(maxsize=4096)
+def _remembered(numbers: tuple[tuple[str, Any], ...], name: str | None, value: float) -> tuple[float, float]:
+    try:
+        values: dict[str, Any] = dict(numbers) | ({name: value} if name else {})
+        return quick_limits(Parameters(**values))
+    except InputError:
+        return np.nan, np.nan
 
 
 def _crossing(name: str, axes: Sequence[Axis], place: int, values: Array) -> Curve:

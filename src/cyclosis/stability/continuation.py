@@ -21,8 +21,8 @@ from ..model.grid import Array, CylinderGrid, interpolate
 from ..model.parameters import Parameters
 from .branch import Branch
 from .curve import Curve
-from .leading import Vector
-from .nodes import Node, Watch, most_waves
+from .leading import Vector, most_waves
+from .nodes import MOST_WAVES, Node, Watch
 from .sentences import end_point, special_point
 from .steady import UNIFORM, rms
 from .track import Track
@@ -111,7 +111,8 @@ def _grid(
     if length is None:
         return line
     spacing = 2 * np.pi / line.length
-    waves = max(most_waves(params.replace(**{parameter: value}), spacing) for value in bounds)
+    most = max(most_waves(params.replace(**{parameter: value}), spacing) for value in bounds)
+    waves = min(MOST_WAVES, most)
     return line.resized(n, max(8, 2 * waves + 2))
 
 

@@ -70,8 +70,7 @@ def directly(problem: EqualStripes) -> Found:
     while problem.leading(state := problem.steady(high, state.P), WIDTHS).rate > 0:
         low, high = high, 2 * high
         if high > MOST:
-            rule = f"where flow holds {problem.count} stripes, and none of any strength does"
-            raise InputError("the parameter point", problem.point, rule, "lower mu")
+            raise _never(problem)
 
     def rate(alpha_u: float) -> float:
         return problem.leading(problem.steady(alpha_u, state.P), WIDTHS).rate
@@ -105,7 +104,7 @@ def continued(problem: EqualStripes) -> Found:
 
 def _down(problem: EqualStripes, stable: bool) -> Found:
     """Follow the branch down from large α_u to its fold, or if `stable` to where λ > 0 if that is before."""
-    state = _somewhere(problem)
+    state = _somewhere(problem, stable)
     amplitude = problem.amplitude(state.P)
     state = problem.at_amplitude(amplitude, state)
     while amplitude > LEAST:
@@ -123,16 +122,25 @@ def _down(problem: EqualStripes, stable: bool) -> Found:
     raise InputError("alpha_p", problem.params.alpha_p, rule, "give d_r + d_s itself")
 
 
-def _somewhere(problem: EqualStripes) -> Equal:
-    """Return a state of full order, at an α_u of 1 or more."""
+def _somewhere(problem: EqualStripes, stable: bool) -> Equal:
+    """Return a state of full order at an α_u of 1 or more, `stable` or any; raises `InputError` if none."""
     alpha_u = 1.0
     while True:
         try:
-            return problem.full(alpha_u)
+            state = problem.full(alpha_u)
+            if not stable or problem.leading(state, WIDTHS).rate < 0:
+                return state
         except InputError:
             if alpha_u > MOST / 2:
                 raise
         alpha_u *= 2
+        if alpha_u > MOST:
+            raise _never(problem)
+
+
+def _never(problem: EqualStripes) -> InputError:
+    rule = f"where flow holds {problem.count} stripes, and none of any strength does"
+    return InputError("the parameter point", problem.point, rule, "lower mu")
 
 
 def _fold(problem: EqualStripes, low: float, high: float, near: Equal) -> Found:

@@ -31,6 +31,22 @@ def rate_scale(params: Parameters) -> float:
     return float(params.alpha_p + 3 * params.alpha_u + params.kappa + params.d_r)
 
 
+def most_waves(params: Parameters, spacing: float) -> int:
+    """Return a number of waves, `spacing` apart, beyond which diffusion outdoes all that drives them."""
+    diffusion, friction = max(float(params.d_s), 1e-12), max(float(params.mu), 1e-12)
+    fastest = 2 * np.sqrt(rate_scale(params) / diffusion) + float(params.epsilon) / diffusion
+    return int(np.ceil(max(fastest, 1 / np.sqrt(friction)) / spacing) + 1)
+
+
+def decays(matrix: Any) -> bool:
+    """Return whether the symmetric part of a matrix is negative, so that no energy grows."""
+    try:
+        np.linalg.cholesky(-0.5 * (matrix + matrix.conj().T))
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
 def cutoff(params: Parameters) -> float:
     """Return the wavenumber K beyond which diffusion is `FAST` times quicker; infinite without diffusion."""
     if params.d_s == 0:

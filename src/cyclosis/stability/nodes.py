@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from ..model.grid import Array
-from ..model.parameters import Parameters
 from .curve import Curve
-from .leading import Vector, cutoff, leading, rate_scale
+from .leading import Vector, cutoff, decays, leading, most_waves
 from .steady import UNIFORM, rms
 
 NEUTRAL = 1e-10
 """Growth rates smaller than this are not told from zero."""
 MOST_WAVES = 256
+"""Most axial wavenumbers that are looked at for each state of a branch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,24 +84,9 @@ class Watch:
         problem, largest = curve.problem(curve.value(X)), cutoff(params)
         turning = X[-2] * curve.derivative if X[-2] else 0.0
         rates: list[complex] = []
-        for j in range(first, (last or most_waves(params, problem.wavenumber)) + 1):
+        for j in range(first, (last or min(MOST_WAVES, most_waves(params, problem.wavenumber))) + 1):
             matrix = problem.waves(X[:-2], j) + turning
             rates.append(complex(leading(matrix, problem.k, largest)[0]))
-            if params.mu * (j * problem.wavenumber) ** 2 > 1 and _decays(matrix):
+            if params.mu * (j * problem.wavenumber) ** 2 > 1 and decays(matrix):
                 break
         return np.array(rates)
-
-
-def most_waves(params: Parameters, spacing: float) -> int:
-    """Return how many axial wavenumbers, `spacing` apart, there may be that do not obviously decay."""
-    fastest = 2 * np.sqrt(rate_scale(params) / max(params.d_s, 1e-12))
-    friction = 1 / np.sqrt(max(params.mu, 1e-12))
-    return int(min(MOST_WAVES, np.ceil(max(fastest, friction) / spacing) + 1))
-
-
-def _decays(matrix: npt.NDArray[np.complex128]) -> bool:
-    try:
-        np.linalg.cholesky(-0.5 * (matrix + matrix.conj().T))
-    except np.linalg.LinAlgError:
-        return False
-    return True

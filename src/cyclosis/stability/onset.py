@@ -14,57 +14,41 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from ..model.errors import InputError, number
+from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from .crossings import existing_from
 from .equal import EqualStripes
 from .families import WIDTHS
+from .limits import Limits, limits
 from .profile import check
-from .thresholds import fold_with_error, resolution, threshold_with_error
+from .thresholds import resolution
 
 
 @dataclass(frozen=True, eq=False)
-class Neighbourhood:
-    """Existence and stability of two stripes by α_p, dimensionless; arrays (points,).
+class Neighbourhood(Limits):
+    """The `Limits` of two stripes by α_p, and the `corner` (α_p, α_u) at which their curves part."""
 
-    `exists` is the α_u above which they exist: the fold, the pitchfork at d_r + d_s, and 0 above it; `stable`
-    that above which they are stable against perturbations of P_z that do not vary along the cell. Their
-    errors stand beside them. `corner` is (α_p, α_u) of the point where the curves part.
-    """
-
-    alpha_p: Array
-    exists: Array
-    exists_error: Array
-    stable: Array
-    stable_error: Array
     corner: tuple[float, float]
+
+    @property
+    def alpha_p(self) -> Array:
+        """The values of α_p (points,)."""
+        return self.values
 
 
 def neighbourhood(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> Neighbourhood:
     """Return the `Neighbourhood` at values `alpha_p` (points,) (default: 0.9 to 1.1 times d_r + d_s).
 
     `params` gives all else; its alpha_p and alpha_u play no part. Raises `InputError` for values out of
-    range, as `threshold`, and for a force that is not cubic.
+    range, as `corner`, and for a force that is not cubic.
     """
     check(params)
     if params.force_exponent != 2:
         raise InputError("force_exponent", params.force_exponent, "2 here", "use fold and threshold")
-    onset = params.d_r + params.d_s
-    given = onset * np.linspace(0.9, 1.1, 41) if alpha_p is None else np.asarray(alpha_p, dtype=np.float64)
-    values = [number("alpha_p", value, 0.0, 1e3, "give numbers") for value in np.ravel(given)]
-    rows = []
-    for value in values:
-        # A round number that is d_r + d_s but for rounding is meant to be it.
-        here = params.replace(alpha_p=onset if abs(value / onset - 1) < 1e-9 else value)
-        ends = (0.0, 0.0)
-        if here.alpha_p <= onset:
-            ended = fold_with_error(here)
-            ends = ended.alpha_u, ended.error
-        held = threshold_with_error(here)
-        rows.append((*ends, held.alpha_u, held.error))
-    exists, exists_error, stable, stable_error = np.array(rows).reshape(-1, 4).T
-    return Neighbourhood(np.array(values), exists, exists_error, stable, stable_error, corner(params))
+    values = (params.d_r + params.d_s) * np.linspace(0.9, 1.1, 41) if alpha_p is None else alpha_p
+    found = limits(params, values)
+    return Neighbourhood(**vars(found), corner=corner(params))
 
 
 def corner(params: Parameters) -> tuple[float, float]:

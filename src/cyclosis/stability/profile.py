@@ -12,6 +12,7 @@ singular, and the uniform states. Two stripes are found; 2k of them are the same
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import gcd
 
 import numpy as np
 import numpy.typing as npt
@@ -101,20 +102,22 @@ def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
         raise InputError("count", count, "even, because stripes alternate", "choose an even number")
     check(params)
     turns = count // 2
-    problem = _Problem(params, n, turns)
+    # The angle turns · θ_i of the single period is again a point of one with n / shared points.
+    shared = gcd(n, turns)
+    period = n // shared
+    problem = _Problem(params, period, turns)
     p = _steady(problem)
     if p is None:
         point = ", ".join(f"{name} = {getattr(params, name):g}" for name in ("alpha_p", "alpha_u", "d_s"))
         rule = f"where a steady state of {count} stripes exists, and none was found: ordered stripes decay"
         raise InputError("the parameter point", point, rule, "raise alpha_p or alpha_u, or lower d_s")
-    residual = _between(params, n, turns, p)
+    place = turns // shared * np.arange(n) % period
+    P, u = _odd(p, period)[place], _odd(problem.flow(p), period)[place]
+    residual = _between(params, P)
     if residual > UNRESOLVED:
         rule = f"enough to resolve the zones between stripes (|dP/dt| is {residual:.1g} between points)"
         raise InputError("n_theta", n, rule, "double it")
     theta = 2 * np.pi / n * np.arange(n, dtype=np.float64)
-    # The point turns · theta_i of the single period is again one of its points.
-    place = turns * np.arange(n) % n
-    P, u = _odd(p, n)[place], _odd(problem.flow(p), n)[place]
     return Profile(theta, P, u, float(np.mean(_force(P, params.force_exponent))), residual, params, count)
 
 
@@ -217,8 +220,9 @@ def _steady(problem: _Problem) -> Array | None:
     return None
 
 
-def _between(params: Parameters, n: int, turns: int, p: Array) -> float:
-    """Return the largest |dP/dt| of the interpolant of a profile on twice as many points."""
+def _between(params: Parameters, P: Array) -> float:
+    """Return the largest |dP/dt| of the interpolant of an odd P (n,) on twice as many points."""
+    n, p = P.size, P[1 : (P.size + 1) // 2]
     waves = np.sin(np.pi / n * (np.outer(np.arange(1, n), np.arange(1, (n + 1) // 2)) % (2 * n)))
     fine = waves @ (_sines(n) @ p) * (4.0 / n)
-    return float(np.abs(_Problem(params, 2 * n, turns).rate(fine)).max())
+    return float(np.abs(_Problem(params, 2 * n, 1).rate(fine)).max())

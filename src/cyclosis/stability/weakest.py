@@ -21,9 +21,9 @@ import scipy.linalg
 
 from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid
-from ..model.parameters import Parameters
 from .equal import Equal, EqualStripes
 from .families import OWN, ROTATION, SHAPES, WIDTHS
+from .leading import decays, most_waves
 from .reduced import reduced
 
 Vector = npt.NDArray[np.complex128]
@@ -61,7 +61,7 @@ class Perturbations:
             raise InputError("length", length, rule, "choose another length")
         self.problem, self.state = problem, state
         params = problem.params.replace(alpha_u=state.alpha_u)
-        self.most = _most_waves(params, 2 * np.pi / length)
+        self.most = most_waves(params, 2 * np.pi / length)
         self.mu = params.mu
         self.whole = reduced(params, CylinderGrid(problem.n, max(8, 2 * self.most + 2), length))
         self.y = np.concatenate([np.zeros(problem.n), state.P])
@@ -78,7 +78,7 @@ class Perturbations:
         """Return a perturbation that grows, of any cause but one, or None."""
         for growth, parts in self._kinds():
             # What decays in energy needs no eigenvalues.
-            if parts is not None and not all(_decays(part) for part in parts):
+            if parts is not None and not all(decays(part) for part in parts):
                 growth = growth._replace(rate=_largest(parts))
             if growth.rate > 0 and growth.cause != but:
                 return growth
@@ -109,9 +109,9 @@ class Perturbations:
         yield Growth(-np.inf, TILT), self._tilt()
         for j in range(1, self.most + 1):
             parts = self._parts(j)
-            yield Growth(-np.inf, _waves(j), j), parts
+            yield Growth(-np.inf, waves_in_words(j), j), parts
             # From here on diffusion grows with q while the flow's answer falls.
-            if self.mu * (j * self.whole.wavenumber) ** 2 > 1 and all(_decays(part) for part in parts):
+            if self.mu * (j * self.whole.wavenumber) ** 2 > 1 and all(decays(part) for part in parts):
                 break
 
     def _parts(self, j: int) -> list[Array]:
@@ -139,21 +139,6 @@ def _largest(parts: list[Array]) -> float:
     return max(float(np.linalg.eigvals(part).real.max()) for part in parts)
 
 
-def _decays(part: Array) -> bool:
-    """Return whether the symmetric part of a matrix is negative, so that no energy grows."""
-    try:
-        np.linalg.cholesky(-0.5 * (part + part.T))
-    except np.linalg.LinAlgError:
-        return False
-    return True
-
-
-def _most_waves(params: Parameters, spacing: float) -> int:
-    """Return a number of waves beyond which diffusion along the cell outdoes all that drives."""
-    driving = float(params.alpha_p + 3 * params.alpha_u + params.d_r)
-    fastest = 2 * np.sqrt(driving / params.d_s) + params.epsilon / params.d_s
-    return int(np.ceil(max(fastest, 1 / np.sqrt(max(params.mu, 1e-12))) / spacing) + 1)
-
-
-def _waves(j: int) -> str:
+def waves_in_words(j: int) -> str:
+    """Return a number of axial waves in words."""
     return "one wave along the cell" if j == 1 else f"{j} waves along the cell"

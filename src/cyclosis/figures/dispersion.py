@@ -1,0 +1,119 @@
+"""Growth rates of small waves about the uniform states, over their wavenumber."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..model.errors import number
+from ..model.grid import Array
+from ..model.parameters import Parameters
+from ..stability.dispersion import growth_rates
+from ..stability.uniform import BASES, orders
+from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
+
+DIRECTIONS: tuple[tuple[str, tuple[float, float], str, Any], ...] = (
+    ("around the axis", (1.0, 0.0), UP, "-"),
+    ("along the cell", (0.0, 1.0), DOWN, "-"),
+    ("at 45°", (np.sqrt(0.5), np.sqrt(0.5)), INK, (0, (4, 1.5))),
+)
+"""Directions of waves: name, unit vector (m, q)/k, colour and style."""
+TITLES = {
+    "disorder": "about disorder",
+    "unidirectional": "about order along the cell",
+    "circumferential": "about order around the axis",
+}
+POINTS = 400
+# Places in millimetres.
+_LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _UPPER, _LOWER, _BETWEEN = 17.0, 3.0, 10.0, 13.0, 11.0, 48.0, 20.0, 5.0
+
+
+def dispersion(
+    params: Parameters,
+    bases: Iterable[str] = BASES,
+    length: float = 5.0,
+    largest: float = 6.0,
+    width: float = WIDTH,
+) -> Figure:
+    """Return the figure of growth rates σ(k) and frequencies about uniform states, a column for each.
+
+    Above, the real parts of both growth rates of waves in three directions, the weaker one thin; below, the
+    frequency -Im σ of the stronger one. Lines are every wavenumber up to `largest`, full dots the waves that
+    fit a cell of the given `length`, open dots the perturbation that is uniform (k = 0), which drives no
+    pressure and is not the limit of waves. All is dimensionless; `width` is in millimetres. Raises
+    `InputError` as `growth_rates`; a column whose state does not exist says so.
+    """
+    chosen = list(bases)
+    largest = number("largest", largest, 0.1, 1e3, "the default is 6")
+    width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
+    across = (width - _LEFT - _RIGHT - (len(chosen) - 1) * _GAP) / len(chosen)
+    with matplotlib.rc_context(TYPE):
+        figure = blank(width, _BELOW + _LOWER + _BETWEEN + _UPPER + _ABOVE)
+        for k, base in enumerate(chosen):
+            left = _LEFT + k * (across + _GAP)
+            lower = place(figure, left, _BELOW, across, _LOWER)
+            upper = place(figure, left, _BELOW + _LOWER + _BETWEEN, across, _UPPER)
+            _column(upper, lower, params, base, length, largest)
+            if k == 0:
+                upper.set_ylabel("growth rate")
+                lower.set_ylabel("frequency")
+                figure.align_ylabels([upper, lower])
+                upper.legend(handles=_key(), **LEGEND | {"bbox_to_anchor": (-0.04, 1.09), "ncols": 5})
+    return figure
+
+
+def _column(upper: Any, lower: Any, params: Parameters, base: str, length: float, largest: float) -> None:
+    upper.set_title(TITLES.get(base, base), loc="left", fontsize=9.5, pad=3.0)
+    for ax in (upper, lower):
+        ax.axhline(0.0, color=QUIET, linewidth=0.6)
+        ax.set_xlim(-0.03 * largest, largest)
+        ax.spines[["top", "right"]].set_visible(False)
+    upper.tick_params(labelbottom=False)
+    lower.set_xlabel("wavenumber $k$", labelpad=1.0)
+    if orders(params, base).size == 0:
+        for ax in (upper, lower):
+            ax.set_yticks([])
+        upper.text(0.5, 0.6, "no such state", transform=upper.transAxes, ha="center", color=QUIET)
+        return
+    k = np.linspace(1e-6, largest, POINTS)
+    for _, (around, along), colour, line in DIRECTIONS:
+        rates = growth_rates(params, base, around * k, along * k)
+        upper.plot(k, rates[:, 0].real, color=colour, linestyle=line, linewidth=1.1)
+        upper.plot(k, rates[:, 1].real, color=colour, linestyle=line, linewidth=0.4)
+        lower.plot(k, -rates[:, 0].imag, color=colour, linestyle=line, linewidth=1.1)
+    whole = np.arange(1.0, largest + 1e-9)
+    fitting = 2 * np.pi / length * np.arange(1.0, largest * length / (2 * np.pi) + 1e-9)
+    for m, q, colour in ((whole, 0.0 * whole, UP), (0.0 * fitting, fitting, DOWN)):
+        rates = growth_rates(params, base, m, q)[:, 0]
+        for ax, values in ((upper, rates.real), (lower, -rates.imag)):
+            ax.plot(m + q, values, "o", color=colour, markersize=3.0, markeredgewidth=0, zorder=3)
+    uniform = growth_rates(params, base, 0.0, 0.0)
+    upper.plot([0, 0], uniform.real, "o", color=INK, markersize=3.4, markerfacecolor="white", clip_on=False)
+    upper.set_ylim(*_limits(np.concatenate([line.get_ydata() for line in upper.lines[1:]])))
+    span = max(float(np.abs(np.concatenate([line.get_ydata() for line in lower.lines])).max()), 0.1)
+    lower.set_ylim(-1.15 * span, 1.15 * span)
+
+
+def _limits(values: Array) -> tuple[float, float]:
+    low, high = float(np.min(values)), float(np.max(values))
+    room = 0.07 * max(high - low, 1e-3)
+    return low - room, max(high, 0.0) + room
+
+
+def _key() -> list[Any]:
+    lines = [Line2D([], [], color=c, linestyle=s, linewidth=1.1, label=n) for n, _, c, s in DIRECTIONS]
+    dot: dict[str, Any] = {
+        "color": INK,
+        "linestyle": "",
+        "marker": "o",
+        "markersize": 1.4,
+        "markeredgewidth": 0.6,
+    }
+    lines.append(Line2D([], [], label="waves that fit", **dot))
+    lines.append(Line2D([], [], label="uniform", markerfacecolor="white", **dot))
+    return lines

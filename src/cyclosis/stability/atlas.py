@@ -1,0 +1,102 @@
+"""Maps of regimes from theory alone: which states are stable over two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.definitions import definition
+from ..model.errors import InputError, choice, number
+from ..model.grid import Array
+from ..model.parameters import Parameters
+from .continuation import NUMBERS
+from .states import STATES, states
+from .travelling import LENGTH
+
+if TYPE_CHECKING:
+    import xarray
+
+AXES = (*NUMBERS, "length")
+"""What a map may extend over: parameters that are numbers, and the length of the cell."""
+
+
+@dataclass(frozen=True, eq=False)
+class RegimeMap:
+    """Which of `STATES` exist and are stable over two parameters, dimensionless.
+
+    `x` (columns,) and `y` (rows,) are the values of the parameters `x_name` and `y_name`; `exists` and
+    `stable` (states, columns, rows) say how each state stands there, in the order of `names`; `cause`
+    (states, columns, rows) in words which perturbation grows, empty where the state is stable. All other
+    parameters as in `params`, in a cell of `length`.
+    """
+
+    x_name: str
+    x: Array
+    y_name: str
+    y: Array
+    names: tuple[str, ...]
+    exists: npt.NDArray[np.bool_]
+    stable: npt.NDArray[np.bool_]
+    cause: npt.NDArray[np.str_]
+    params: Parameters
+    length: float
+
+    def at(self, x: float, y: float) -> tuple[str, ...]:
+        """Return the names of the stable states at the point of the map next to (x, y)."""
+        place = int(np.abs(self.x - x).argmin()), int(np.abs(self.y - y).argmin())
+        return tuple(name for name, row in zip(self.names, self.stable, strict=True) if row[place])
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return the map as an `xarray.Dataset` over `state` and both parameters."""
+        import xarray
+
+        dims = ("state", self.x_name, self.y_name)
+        rest = {name: float(value) for name, value in self.params.items() if name not in dims}
+        return xarray.Dataset(
+            {"exists": (dims, self.exists), "stable": (dims, self.stable), "cause": (dims, self.cause)},
+            coords={"state": list(self.names), self.x_name: self.x, self.y_name: self.y},
+            attrs=rest if "length" in dims else rest | {"length": self.length},
+        )
+
+
+def regime_map(
+    params: Parameters,
+    x: tuple[str, npt.ArrayLike],
+    y: tuple[str, npt.ArrayLike],
+    length: float = LENGTH,
+    progress: Callable[[int, int], None] | None = None,
+) -> RegimeMap:
+    """Return the `RegimeMap` over two parameters (name, values), each with at least two values that grow.
+
+    Any parameter that is a number, or "length". Where the state of `states` cannot be had, because zones are
+    too narrow to be resolved, it raises as that does. `progress` is called with the number of points done
+    and that of all. Raises `InputError` for other names and for values out of range.
+    """
+    (x_name, across), (y_name, up) = _axis("x", x), _axis("y", y)
+    if x_name == y_name:
+        raise InputError("y", y_name, f"another parameter than {x_name}", "choose two")
+    shape = (len(STATES), across.size, up.size)
+    exists, stable = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    cause = np.full(shape, "", dtype="U64")
+    for i, j in np.ndindex(shape[1:]):
+        values = {x_name: float(across[i]), y_name: float(up[j])}
+        here = values.pop("length", length)
+        found = states(params.replace(**values), here)
+        for k, name in enumerate(STATES):
+            exists[k, i, j], stable[k, i, j], cause[k, i, j] = found[name]
+        if progress is not None:
+            progress(i * up.size + j + 1, across.size * up.size)
+    return RegimeMap(x_name, across, y_name, up, STATES, exists, stable, cause, params, length)
+
+
+def _axis(field: str, axis: tuple[str, npt.ArrayLike]) -> tuple[str, Array]:
+    name, values = choice(field, axis[0], AXES), np.ravel(np.asarray(axis[1], dtype=np.float64))
+    allowed = definition("grid" if name == "length" else "parameters", name)
+    checked = [number(name, value, allowed.minimum, allowed.maximum, "give numbers") for value in values]
+    if values.size < 2 or not np.all(np.diff(values) > 0):
+        raise InputError(name, values.tolist(), "at least two values that grow", "give more, in order")
+    return name, np.array(checked)

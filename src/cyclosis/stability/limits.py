@@ -1,0 +1,100 @@
+"""Where two stripes exist and where they are stable, as curves: α_u over another parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.definitions import definition
+from ..model.errors import InputError, choice, number
+from ..model.grid import Array
+from ..model.parameters import Parameters
+from .crossings import existing_from, stable_from
+from .elliptic import front_threshold
+from .equal import EqualStripes
+from .profile import check
+from .thresholds import Threshold, fold_with_error, threshold_with_error
+
+ALONG = ("alpha_p", "d_s", "d_r", "mu")
+"""Parameters beside α_u that stripes feel while they are straight."""
+COARSE = 64
+"""Points around the cell for curves that are only drawn."""
+ROUND = 1e-9
+"""Relative distance from d_r + d_s within which a value of α_p is meant to be it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Existence and stability of two stripes over a parameter, dimensionless; arrays (points,).
+
+    `exists` is the α_u above which they exist: the fold for α_p < d_r + d_s, the pitchfork at it, and 0 above
+    it; `stable` that above which they are stable against perturbations of P_z that do not vary along the
+    cell. Their errors stand beside them; NaN where there is none. `front` is what the motion of fronts gives
+    for `stable`. `values` are those of the parameter called `name`.
+    """
+
+    name: str
+    values: Array
+    exists: Array
+    exists_error: Array
+    stable: Array
+    stable_error: Array
+    front: Array
+
+
+def limits(params: Parameters, values: npt.ArrayLike, name: str = "alpha_p") -> Limits:
+    """Return the `Limits` of two stripes at `values` (points,) of "alpha_p", "d_s", "d_r" or "mu".
+
+    `params` gives all other parameters; its alpha_u plays no part. Where there is no limit it is NaN.
+    Raises `InputError` for values out of range, fields, and parameters with an oblique d.
+    """
+    choice("name", name, ALONG)
+    check(params)
+    allowed = definition("parameters", name)
+    given = np.ravel(np.asarray(values, dtype=np.float64))
+    checked = [number(name, value, allowed.minimum, allowed.maximum, "give numbers") for value in given]
+    rows = np.array([_row(params.replace(**{name: value})) for value in checked]).reshape(-1, 5)
+    return Limits(name, np.array(checked), *rows.T)
+
+
+def _row(params: Parameters) -> tuple[float, float, float, float, float]:
+    """Return existence, its error, stability, its error and the front's formula at one point."""
+    onset = params.d_r + params.d_s
+    alpha_p = float(params.alpha_p)
+    if abs(alpha_p / onset - 1) < ROUND:
+        params = params.replace(alpha_p=onset)
+    ends = _pair(fold_with_error, params) if alpha_p <= onset * (1 + ROUND) else (0.0, 0.0)
+    front = np.nan
+    with suppress(InputError):
+        front = front_threshold(params)
+    return (*ends, *_pair(threshold_with_error, params), front)
+
+
+def _pair(sought: Callable[[Parameters], Threshold], params: Parameters) -> tuple[float, float]:
+    try:
+        found = sought(params)
+    except InputError:
+        return np.nan, np.nan
+    return found.alpha_u, found.error
+
+
+def quick_limits(params: Parameters) -> tuple[float, float]:
+    """Return the α_u above which two stripes exist, and are stable, on one grid of `COARSE` points.
+
+    Good to a part in 10³ where zones are no narrower than those of Figure 4: for drawing. NaN where there is
+    none. Raises `InputError` for fields and an oblique d.
+    """
+    check(params)
+    problem = EqualStripes(params, 2, COARSE)
+    onset = params.d_r + params.d_s
+    exists, stable = (0.0 if params.alpha_p > onset else np.nan), np.nan
+    if params.alpha_p < onset:
+        with suppress(InputError):
+            exists = existing_from(problem).alpha_u
+    with suppress(InputError):
+        stable = stable_from(problem).alpha_u
+    return exists, stable

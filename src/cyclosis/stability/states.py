@@ -1,0 +1,115 @@
+"""Which named states exist at a parameter point, and which of them are stable, without a run.
+
+Uniform states in closed form; two equal stripes and two tilted ones that rotate by Newton's method. Each
+is stable if every perturbation of the whole cell decays, whatever its waves around and along the cell.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model.errors import InputError, number
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from .dispersion import growth_rates
+from .equal import EqualStripes
+from .leading import cutoff, decays, leading, most_waves
+from .nodes import NEUTRAL
+from .reduced import reduced
+from .thresholds import resolution
+from .travelling import LENGTH, drifting
+from .uniform import orders
+from .weakest import LONGEST_CELL, Perturbations, waves_in_words
+
+STATES = ("disordered", "unidirectional", "cyclosis", "tilted", "circumferential")
+"""The states looked for; "tilted" are two stripes with a mean P_theta, which rotate about the axis."""
+UNIFORM = {
+    "disordered": "disorder",
+    "unidirectional": "unidirectional",
+    "circumferential": "circumferential",
+}
+TILTED_POINTS = 96
+"""Points around the cell for tilted stripes, whose zones are wider than those of upright ones."""
+
+
+class Standing(NamedTuple):
+    """How a state stands at a parameter point: whether it `exists`, is `stable`, and what grows if not."""
+
+    exists: bool
+    stable: bool
+    cause: str
+
+
+ABSENT = Standing(False, False, "there is no such state")
+
+
+def states(params: Parameters, length: float = LENGTH) -> dict[str, Standing]:
+    """Return the `Standing` of each of `STATES` in a cell of a length (dimensionless, in radii).
+
+    Stripes are those that full order relaxes to, tilted ones those that a standard guess does. Raises
+    `InputError` for fields, an oblique d, and lengths that are not above 0 and at most 200.
+    """
+    length = number("length", length, 1e-6, LONGEST_CELL, "choose another length")
+    found = {name: _uniform(params, base, length) for name, base in UNIFORM.items()}
+    found["cyclosis"] = _upright(params, length)
+    found["tilted"] = _tilted(params, length)
+    return {name: found[name] for name in STATES}
+
+
+def _uniform(params: Parameters, base: str, length: float) -> Standing:
+    roots = orders(params, base).size
+    if roots == 0:
+        return ABSENT
+    m = np.arange(most_waves(params, 1.0) + 1.0)[:, None]
+    j = np.arange(most_waves(params, 2 * np.pi / length) + 1.0)
+    # Reflections, d lying along an axis, make waves of negative number grow as their mirror images do.
+    each = [_grown(params, base, m, j, length, root) for root in range(roots)]
+    return next((standing for standing in each if standing.stable), each[0])
+
+
+def _grown(params: Parameters, base: str, m: Array, j: Array, length: float, root: int) -> Standing:
+    rates = growth_rates(params, base, m, 2 * np.pi / length * j, root)[..., 0].real
+    worst = np.unravel_index(int(np.argmax(rates)), rates.shape)
+    if rates[worst] <= NEUTRAL:
+        return Standing(True, True, "")
+    around, along = int(m[worst[0], 0]), int(j[worst[1]])
+    if around == along == 0:
+        return Standing(True, False, "a uniform perturbation")
+    cause = "one wave around the axis" if around == 1 else f"{around} waves around the axis"
+    if along:
+        cause = waves_in_words(along) if not around else f"{cause}, {waves_in_words(along)}"
+    return Standing(True, False, cause)
+
+
+def _upright(params: Parameters, length: float) -> Standing:
+    problem = EqualStripes(params, 2, resolution(params))
+    try:
+        state = problem.full(float(params.alpha_u))
+    except InputError:
+        return ABSENT
+    grown = Perturbations(problem, state, length).growing()
+    return Standing(True, grown is None, "" if grown is None else grown.cause)
+
+
+def _tilted(params: Parameters, length: float) -> Standing:
+    try:
+        state = drifting(params, TILTED_POINTS)
+    except InputError:
+        return ABSENT
+    waves = most_waves(params, 2 * np.pi / length)
+    problem = reduced(params, CylinderGrid(TILTED_POINTS, max(8, 2 * waves + 2), length))
+    y, largest = state.P.ravel(), cutoff(params)
+    turning = state.drift * problem.derivative
+    along = leading(problem.jacobian(y) + turning, problem.k, largest, problem.slope(y))
+    if along[0].real > NEUTRAL:
+        return Standing(True, False, "a change of shape")
+    for j in range(1, waves + 1):
+        matrix = problem.waves(y, j) + turning
+        if decays(matrix):
+            if params.mu * (j * problem.wavenumber) ** 2 > 1:
+                break
+        elif leading(matrix, problem.k, largest)[0].real > NEUTRAL:
+            return Standing(True, False, waves_in_words(j))
+    return Standing(True, True, "")
