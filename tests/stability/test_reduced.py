@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
+from cyclosis.stability.plane import plane
 from cyclosis.stability.reduced import reduced
 
 PARAMS = cy.Parameters(alpha_p=0.7, alpha_u=0.6, epsilon=0.3, kappa=0.2, repulsion_angle=0.4)
@@ -81,3 +82,26 @@ def test_shift_slope_and_derivative():
     np.testing.assert_allclose(moved[:24], np.sin(grid.theta - 0.3), atol=1e-14)
     np.testing.assert_allclose(problem.slope(y)[24:], -2 * np.sin(2 * grid.theta), atol=1e-13)
     np.testing.assert_allclose(problem.derivative @ y, problem.slope(y), atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [16, 17])
+def test_the_slope_is_exact_up_to_the_highest_mode(n):
+    problem = reduced(PARAMS, cy.CylinderGrid(n, 8, 5.0))
+    x, m = 2 * np.pi / n * np.arange(n), (n - 1) // 2
+    y = np.concatenate([np.sin(m * x), np.cos(m * x)])
+    slope = np.concatenate([m * np.cos(m * x), -m * np.sin(m * x)])
+    np.testing.assert_allclose(problem.slope(y), slope, atol=1e-12)
+
+
+def test_waves_are_given_no_nyquist_modes():
+    """On a grid of even size that resolves little, against the whole cell's derivative on the same grid."""
+    grid = cy.CylinderGrid(12, 10, 4.0)
+    problem, whole = reduced(PARAMS, grid), plane(PARAMS, grid)
+    y = np.concatenate([smooth(12, 3), smooth(12, 4)])
+    linear = whole.linearised(whole.vector(problem.state(y, grid)), np.zeros(2))
+    for j in (1, 4):
+        matrix, along = problem.waves(y, j), 2 * np.pi * j / grid.length * grid.z
+        v = np.concatenate([smooth(12, 5), smooth(12, 6)])
+        answer = (matrix @ v).reshape(2, 12, 1)
+        expected = whole.state(linear(whole.vector(v.reshape(2, 12, 1) * np.cos(along))))
+        np.testing.assert_allclose(np.real(answer * np.exp(1j * along)), expected, atol=1e-13)

@@ -14,6 +14,7 @@ from . import runs
 from .figures import figures
 from .options import commands
 from .sweeps import sweeps
+from .theory import theory
 
 app = commands(
     "How cytoplasmic streaming organises itself: the model of Woodhouse & Goldstein (2013).", "cyclosis"
@@ -21,6 +22,7 @@ app = commands(
 runs.register(app)
 app.add_typer(figures, name="figure")
 app.add_typer(sweeps, name="sweep")
+app.add_typer(theory, name="stability")
 
 
 def _version(show: bool) -> None:

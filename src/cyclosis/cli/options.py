@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ..model.definitions import TABLES, Definition
+from ..model.definitions import TABLES, Definition, definition
 
 FORCE = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
 FILE = Annotated[Path, typer.Argument(metavar="FILE", help="NetCDF file of a run.", show_default=False)]
@@ -32,10 +33,24 @@ def commands(help: str, name: str | None = None) -> typer.Typer:
     )
 
 
-def with_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Add one option for every definition, named as in the configuration file."""
+def with_options(*tables: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Add one option for every definition of some of `TABLES`, named as in the configuration file."""
+    return partial(_with_options, tables)
+
+
+def changes(options: Mapping[str, str | None]) -> dict[str, dict[str, Any]]:
+    """Return the tables of values, checked, that such options give."""
+    found: dict[str, dict[str, Any]] = {name: {} for name in TABLES}
+    for key, text in options.items():
+        if text is not None:
+            table, name = key.split("__")
+            found[table][name] = definition(table, name).parse(text)
+    return found
+
+
+def _with_options(tables: tuple[str, ...], function: Callable[..., None]) -> Callable[..., None]:
     own = list(inspect.signature(function, eval_str=True).parameters.values())[:-1]
-    added = [_option(table, item) for table, items in TABLES.items() for item in items]
+    added = [_option(table, item) for table in tables for item in TABLES[table]]
     signature = inspect.Signature([*own, *added])
     function.__signature__ = signature  # type: ignore[attr-defined]
     function.__annotations__ = {p.name: p.annotation for p in signature.parameters.values()}

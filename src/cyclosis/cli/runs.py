@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..model.definitions import TABLES, definition
-from .options import FILE, FORCE, PAUSE, QUIET, with_options
+from ..model.definitions import TABLES
+from .options import FILE, FORCE, PAUSE, QUIET, changes, with_options
 
 
 def register(app: typer.Typer) -> None:
@@ -17,7 +17,7 @@ def register(app: typer.Typer) -> None:
         app.command()(command)
 
 
-@with_options
+@with_options(*TABLES)
 def run(
     config: Annotated[
         Path | None, typer.Option(help="Configuration file run.toml; options override it.")
@@ -31,13 +31,8 @@ def run(
     """Run one cell and save it to a NetCDF file."""
     from .. import config as configuration
 
-    changes: configuration.Tables = {name: {} for name in TABLES}
-    for key, text in options.items():
-        if text is not None:
-            table, name = key.split("__")
-            changes[table][name] = definition(table, name).parse(text)
     tables = configuration.read(config) if config is not None else configuration.check({})
-    ready = configuration.setup(configuration.merged(tables, changes))
+    ready = configuration.setup(configuration.merged(tables, changes(options)))
 
     from .. import dataset, report
     from ..dynamics.simulate import simulate

@@ -11,6 +11,7 @@ from .convert import load as load
 from .convert import open_dataset as open_dataset
 from .convert import to_dataset as to_dataset
 from .convert import write as write
+from .tables import write_table as write_table
 from .vtk import export_vtk as export_vtk
 from .writer import RunWriter as RunWriter
 from .writer import resume_file as resume_file

@@ -50,17 +50,10 @@ def outcome(run: Trajectory) -> dict[str, Any]:
 def attributes(run: Trajectory) -> dict[str, Any]:
     """Return the global attributes of a dataset of this run."""
     asked = json.dumps(configuration(run), sort_keys=True)
-    versions = {
-        "cyclosis": __version__,
-        "jax": jax.__version__,
-        "numpy": np.__version__,
-        "python": platform.python_version(),
-    }
     return {
         "Conventions": "CF-1.11",
         "title": "Self-organised cytoplasmic streaming on a cylinder",
-        "source": "Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110",
-        "program": "cyclosis",
+        **origin(),
         "schema": SCHEMA,
         "length": run.grid.length,
         "configuration": asked,
@@ -68,8 +61,22 @@ def attributes(run: Trajectory) -> dict[str, Any]:
         "initial_sha256": run.provenance.get("initial_sha256", ""),
         "outcome": json.dumps(outcome(run), sort_keys=True),
         "wall_time_seconds": run.effort.wall_time,
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "versions": json.dumps(versions),
         "precision": run.settings.precision,
         "device": jax.devices()[0].device_kind,
+    }
+
+
+def origin() -> dict[str, str]:
+    """Return the attributes that say which program made a file, of which versions, and when."""
+    versions = {
+        "cyclosis": __version__,
+        "jax": jax.__version__,
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+    }
+    return {
+        "source": "Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110",
+        "program": "cyclosis",
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": json.dumps(versions),
     }

@@ -19,7 +19,7 @@ from ..model.grid import Array
 from . import style
 from .style import INK, LEGEND, QUIET, SHADE, ZONE
 from .swept import Axis, Codes, Swept
-from .thresholds import DISORDER, EXISTS, STABLE, STRIPES, TILT, Curve
+from .thresholds import DISORDER, EXISTS, ROTATES, STABLE, STRIPES, TILT, TILTS, Curve
 
 # All run from light to dark, so that they read in grayscale and for every kind of colour vision.
 SHARE = LinearSegmentedColormap.from_list(
@@ -43,6 +43,8 @@ STYLES: dict[str, tuple[str, Any]] = {
     STRIPES: (INK, (0, (6, 1.6, 1, 1.6))),
     STABLE: (INK, "-"),
     EXISTS: ("#87ec98", (0, (2.5, 2.5))),
+    TILTS: (INK, (0, (1, 0.8))),
+    ROTATES: (INK, (0, (8, 1.6, 1, 1.6, 1, 1.6))),
 }
 """Colours and line styles of theory's own curves."""
 FURTHER: tuple[Any, ...] = ("-", (0, (3, 1.2)), (0, (1, 1.2)), (0, (8, 2)))

@@ -15,6 +15,7 @@ from ..model.grid import Array
 from ..stability.branch import Branch
 from ..stability.eigenmodes import Modes
 from ..stability.profile import Profile
+from ..stability.travelling import Drifting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
@@ -36,6 +37,26 @@ def profile(found: Profile, width: float = WIDTH) -> Figure:
             ax = place(figure, _LEFT + k * (across + _GAP), _BELOW, across, _PROFILE)
             _profile(ax, found, k)
             ax.set_ylabel(f"${name}$", color=colour)
+        return figure
+
+
+def drifting(found: Drifting, width: float = WIDTH) -> Figure:
+    """Return the figure of tilted stripes that rotate: both components of P and of u, dimensionless."""
+    theta = np.append(found.theta, 2 * np.pi)
+    with matplotlib.rc_context(TYPE):
+        figure = blank(width, _BELOW + _PROFILE + _ABOVE)
+        across = (width - _LEFT - _RIGHT - _GAP) / 2
+        for k, (name, field) in enumerate((("P", found.P), ("u", found.u))):
+            ax = place(figure, _LEFT + k * (across + _GAP), _BELOW, across, _PROFILE)
+            ax.axhline(0.0, color=QUIET, linewidth=0.6)
+            for part, colour, axis_name in ((1, UP, "z"), (0, DOWN, r"\theta")):
+                values = np.append(field[part], field[part][0])
+                ax.plot(theta, values, color=colour, linewidth=1.3, label=f"${name}_{{{axis_name}}}$")
+            _around(ax)
+            ax.set_xlabel("θ", labelpad=1.0)
+            ax.legend(**LEGEND)
+            if k == 0:
+                ax.set_title(f"drift {found.drift:.6g}", loc="right", fontsize=9.0, pad=3.0)
         return figure
 
 
@@ -74,7 +95,8 @@ def eigenvalues(branch: Branch, log: bool = False, width: float = WIDTH) -> Figu
 
     Left, real parts over the parameter: purple for perturbations that do not vary along the cell, green for
     the leading one of each axial wavenumber; upright lines mark special points. Right, their way in the
-    complex plane, darker as the parameter grows, or, if all are real, what lies near zero. `log` draws the
+    complex plane, darker as the parameter grows, or, where all are as good as real, what
+    lies near zero. `log` draws the
     parameter on a logarithmic scale. Dimensionless; `width` in millimetres. Raises `InputError` for a
     logarithmic scale that reaches 0.
     """
@@ -92,7 +114,7 @@ def eigenvalues(branch: Branch, log: bool = False, width: float = WIDTH) -> Figu
         _rates(ax, branch, log, (low, high))
         both = np.concatenate([branch.eigenvalues.imag.ravel(), branch.across.imag.ravel()])
         span = float(np.nanmax(np.abs(both)))
-        if span > NEUTRAL:
+        if span > 1e-3 * (high - low):
             _ways(plane, branch, (low, high), span)
         else:
             near = max(2.5 * max(_largest(branch), 0.0), 0.03 * (high - low))

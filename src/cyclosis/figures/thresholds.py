@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.dispersion import stripes_threshold, tilt_threshold
-from ..stability.limits import ALONG, quick_limits
+from ..stability.limits import ALONG, quick_limits, rotating_limit, tilt_limit
 from .swept import Axis
 
 POINTS = 600
@@ -23,6 +24,8 @@ TILT = "U tilts beyond"
 STRIPES = "U breaks into stripes beyond"
 EXISTS = "C exists beyond"
 STABLE = "C stable beyond"
+TILTS = "C tilts before"
+ROTATES = "O rotates beyond"
 PLACES = 40
 """Points along a curve that takes Newton's method."""
 
@@ -43,6 +46,8 @@ def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[Curve]:
       `stripes_threshold`), where α_u is an axis: against whatever the other axis is.
     * the α_u beyond which two stripes exist (a fold, below α_p = d_r + d_s), and beyond which they are stable
       against unequal widths, likewise.
+    * the κ before which stripes tilt, and beyond which circumferential order gives way to tilted stripes that
+      rotate, where κ is one of two axes.
 
     Over one axis a threshold is the upright line of its value, from y = 0 to 100 (percent).
     """
@@ -52,6 +57,7 @@ def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[Curve]:
     for name, threshold in ((TILT, tilt_threshold), (STRIPES, stripes_threshold)):
         found.append(_alignment(name, threshold, params, axes))
     found += _stripes(params, axes)
+    found += _repulsion(params, axes)
     return [curve for curve in found if curve is not None and np.isfinite(curve.x + curve.y).any()]
 
 
@@ -132,6 +138,25 @@ def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
         Curve(name, *((at, values) if place == 1 else (values, at)))
         for name, values in zip((STABLE, EXISTS), pairs.T[::-1], strict=True)
     ]
+
+
+def _repulsion(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
+    """Return where stripes begin to tilt and where circumferential order ends, if κ is one of two axes."""
+    names = [axis.name for axis in axes]
+    if len(axes) != 2 or "kappa" not in names:
+        return []
+    place = names.index("kappa")
+    other, at = names[1 - place], axes[1 - place].between(PLACES)
+    if other not in dict(params.items()):
+        return []
+    found = []
+    for name, limit in ((TILTS, tilt_limit), (ROTATES, rotating_limit)):
+        values = np.full(at.size, np.nan)
+        for k, value in enumerate(at):
+            with suppress(InputError):
+                values[k] = limit(params.replace(**{other: float(value)}))
+        found.append(Curve(name, *((at, values) if place == 1 else (values, at))))
+    return found
 
 
 def _limits(params: Parameters, name: str | None, value: float) -> tuple[float, float]:

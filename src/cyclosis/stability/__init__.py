@@ -7,9 +7,12 @@ All of it is computed on the simulation's own right-hand side, or in closed form
 from . import dispersion as dispersion
 from . import elliptic as elliptic
 from . import profile as profile
+from .atlas import RegimeMap as RegimeMap
+from .atlas import regime_map as regime_map
 from .branch import Branch as Branch
 from .branch import SpecialPoint as SpecialPoint
 from .continuation import continue_branch as continue_branch
+from .diagram import diagram as diagram
 from .dispersion import growth_matrix as growth_matrix
 from .dispersion import growth_rates as growth_rates
 from .dispersion import stripes_threshold as stripes_threshold
@@ -21,6 +24,8 @@ from .elliptic import elliptic_profile as elliptic_profile
 from .elliptic import front_threshold as front_threshold
 from .equilibria import SteadyState as SteadyState
 from .equilibria import steady_state as steady_state
+from .limits import Limits as Limits
+from .limits import limits as limits
 from .modes import CellModes as CellModes
 from .modes import leading_modes as leading_modes
 from .multistripe import common_threshold as common_threshold
@@ -31,6 +36,7 @@ from .profile import cyclosis as cyclosis
 from .profile import stripes as stripes
 from .saddle import unequal as unequal
 from .saddle import unequal_branch as unequal_branch
+from .states import states as states
 from .thresholds import Threshold as Threshold
 from .thresholds import destabilised as destabilised
 from .thresholds import fold as fold

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..model.definitions import definition
+from ..model.definitions import PARAMETERS, definition
 from ..model.errors import InputError, choice, number
 from ..model.grid import Array
 from ..model.parameters import Parameters
@@ -61,6 +61,35 @@ class RegimeMap:
             coords={"state": list(self.names), self.x_name: self.x, self.y_name: self.y},
             attrs=rest if "length" in dims else rest | {"length": self.length},
         )
+
+
+def opened(dataset: xarray.Dataset) -> RegimeMap:
+    """Return the `RegimeMap` that `to_dataset` made a dataset of. Raises `InputError` for another dataset."""
+    try:
+        _, x_name, y_name = (str(name) for name in dataset["stable"].dims)
+        values: dict[str, Any] = {
+            item.name: bool(dataset.attrs[item.name])
+            if item.kind == "flag"
+            else float(dataset.attrs[item.name])
+            for item in PARAMETERS
+            if item.name in dataset.attrs
+        }
+        exists, stable = (np.asarray(dataset[name].values, dtype=bool) for name in ("exists", "stable"))
+        return RegimeMap(
+            x_name,
+            np.asarray(dataset[x_name].values, dtype=np.float64),
+            y_name,
+            np.asarray(dataset[y_name].values, dtype=np.float64),
+            tuple(str(name) for name in dataset["state"].values),
+            exists,
+            stable,
+            np.asarray(dataset["cause"].values, dtype=np.str_),
+            Parameters(**values),
+            float(dataset.attrs.get("length", LENGTH)),
+        )
+    except (KeyError, ValueError, TypeError) as error:
+        rule = "a regime map, as `cyclosis stability map` writes it"
+        raise InputError("dataset", "this file", rule, "choose another") from error
 
 
 def regime_map(

@@ -110,6 +110,22 @@ class Branch:
         along = along / curve.length(along)
         return self._state(curve, other_branch(curve, X, along, point.kind == "Hopf point", size))
 
+    def holds(self, state: Drifting, within: float = 1e-3) -> bool:
+        """Return whether a state lies on the branch, however turned about the axis, to `within`, rms of P."""
+        value = float(getattr(state.params, self.name))
+        fixed = np.append(np.zeros(2 * self.theta.size + 1), 1.0)
+        for k in np.flatnonzero((self.parameter[:-1] - value) * (self.parameter[1:] - value) <= 0):
+            low, high = self._point(int(k)), self._point(int(k) + 1)
+            step = high[-1] - low[-1]
+            share = (value / (self.bounds[1] - self.bounds[0]) - low[-1]) / step if step else 0.0
+            guess = low + share * (high - low)
+            curve = self._curve(_varies(guess))
+            found = curve.correct(guess, guess, fixed, 0.5)
+            X = curve.point(state.P.ravel(), state.drift, value)
+            if found is not None and curve.apart(found[0], X) < within:
+                return True
+        return False
+
     def to_dataset(self) -> xarray.Dataset:
         """Return the branch as an `xarray.Dataset` over `point`, special points over `special`."""
         import xarray

@@ -13,7 +13,7 @@ costs nothing. L is not self-adjoint, so that its eigenvalues may be complex.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,9 @@ from ..model.errors import InputError, choice, whole
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from .reduced import reduced
+
+if TYPE_CHECKING:
+    import xarray
 
 Vector = npt.NDArray[np.complex128]
 
@@ -43,6 +46,22 @@ class Modes:
     modes: Vector
     theta: Array
     wavenumber: float
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return eigenvalues and modes, in real and imaginary parts, over `mode` and `theta`."""
+        import xarray
+
+        dims = ("mode", "component", "theta")
+        return xarray.Dataset(
+            {
+                "growth": ("mode", self.eigenvalues.real),
+                "frequency": ("mode", self.eigenvalues.imag),
+                "v_real": (dims, self.modes.real),
+                "v_imag": (dims, self.modes.imag),
+            },
+            coords={"component": ["theta", "z"], "theta": self.theta},
+            attrs={"wavenumber": self.wavenumber},
+        )
 
 
 def profile_modes(

@@ -5,24 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from ..model.definitions import definition
 from ..model.errors import InputError, choice, number
-from ..model.grid import Array
+from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from .crossings import existing_from, stable_from
+from .dispersion import growth_rates
 from .elliptic import front_threshold
 from .equal import EqualStripes
 from .profile import check
+from .reduced import reduced
 from .thresholds import Threshold, fold_with_error, threshold_with_error
+from .uniform import check_numbers
+
+if TYPE_CHECKING:
+    import xarray
 
 ALONG = ("alpha_p", "d_s", "d_r", "mu")
 """Parameters beside α_u that stripes feel while they are straight."""
 COARSE = 64
 """Points around the cell for curves that are only drawn."""
+STRONGEST = 10.0
+"""Largest κ that is looked at."""
 ROUND = 1e-9
 """Relative distance from d_r + d_s within which a value of α_p is meant to be it."""
 
@@ -44,6 +54,14 @@ class Limits:
     stable: Array
     stable_error: Array
     front: Array
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return the limits as an `xarray.Dataset` over the parameter."""
+        import xarray
+
+        rows = ("exists", "exists_error", "stable", "stable_error", "front")
+        data = {row: (self.name, getattr(self, row)) for row in rows}
+        return xarray.Dataset(data, coords={self.name: self.values})
 
 
 def limits(params: Parameters, values: npt.ArrayLike, name: str = "alpha_p") -> Limits:
@@ -98,3 +116,42 @@ def quick_limits(params: Parameters) -> tuple[float, float]:
     with suppress(InputError):
         stable = stable_from(problem).alpha_u
     return exists, stable
+
+
+def tilt_limit(params: Parameters) -> float:
+    """Return the κ below which the filaments of two equal stripes tilt, all along the cell: exact.
+
+    κ is taken off every growth rate of P_theta and changes nothing else, so that it is the largest of these
+    at κ = 0. d must lie along theta. NaN where there are no such stripes. Raises `InputError` for fields and
+    an oblique d.
+    """
+    check(params)
+    still = params.replace(kappa=0.0)
+    try:
+        state = EqualStripes(still, 2, COARSE).full(float(params.alpha_u))
+    except InputError:
+        return np.nan
+    line = reduced(still, CylinderGrid(COARSE, 8))
+    tilting = line.jacobian(np.concatenate([np.zeros(COARSE), state.P]))[:COARSE, :COARSE]
+    return float(np.linalg.eigvals(tilting).real.max())
+
+
+def rotating_limit(params: Parameters) -> float:
+    """Return the κ above which circumferential order gives way to a wave that rotates about the axis.
+
+    There the growth rate of the wave m = 1, q = 0 about it passes through zero; the tilted stripes begin as
+    this wave. NaN where there is no such κ from 0 to 10. Raises `InputError` for fields.
+    """
+
+    def growth(kappa: float) -> float:
+        try:
+            rates = growth_rates(params.replace(kappa=kappa), "circumferential", 1.0, 0.0)
+        except InputError:  # repulsion has become too strong for such a state
+            return 1.0
+        return float(rates[0].real)
+
+    check_numbers(params)
+    low, high = growth(0.0), growth(STRONGEST)
+    if not low < 0 < high:
+        return np.nan
+    return float(brentq(growth, 0.0, STRONGEST, xtol=1e-12))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import gcd
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,9 @@ from ..model.errors import InputError, whole
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from .eigenmodes import Modes, profile_modes
+
+if TYPE_CHECKING:
+    import xarray
 
 SMALLEST = 1e-5
 """A state with no larger |P| counts as disorder."""
@@ -79,6 +83,21 @@ class Profile:
         them, with the eigenvalue 0. Raises `InputError` for settings out of range.
         """
         return profile_modes(self.params, self.P, count, axial_mode, length, components)
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return the state as an `xarray.Dataset` over `theta`."""
+        import xarray
+
+        return xarray.Dataset(
+            {"P": ("theta", self.P), "u": ("theta", self.u)},
+            coords={"theta": self.theta},
+            attrs={
+                "count": self.count,
+                "pressure_gradient": self.pressure_gradient,
+                "residual": self.residual,
+                **{name: float(value) for name, value in self.params.items()},
+            },
+        )
 
 
 def cyclosis(params: Parameters, n_theta: int = 256) -> Profile:

@@ -63,7 +63,8 @@ class Reduced:
 
     def slope(self, y: Array) -> Array:
         """Return the derivative of y along the remaining direction."""
-        return self._filtered(y, 1j * np.where(np.abs(self.k) < np.abs(self.k).max(), self.k, 0.0))
+        nyquist = (np.arange(self.n) == self.n // 2) & (self.n % 2 == 0)
+        return self._filtered(y, 1j * np.where(nyquist, 0.0, self.k))
 
     @cached_property
     def derivative(self) -> Array:
@@ -156,7 +157,9 @@ def _waves(cell: System, axis: int, y: Any) -> Any:
     base = jnp.broadcast_to(jnp.expand_dims(jax.lax.complex(y[:n], y[n:]), axis), cell.space.shape)
 
     def physical(p: Any) -> Any:
-        return jnp.fft.ifft2(cell.rate(cell.at(jnp.fft.fft2(p))))
+        now = cell.at(jnp.fft.fft2(p))
+        # A wave is given no Nyquist modes along the direction that is left, as a state of the cell has none.
+        return jnp.fft.ifft2(cell.linear() * now.spectrum + cell.space.keep * cell.nonlinear(now))
 
     def column(unit: Any) -> Any:
         wave = jnp.expand_dims(jax.lax.complex(unit[:n], unit[n:]), axis) * jnp.expand_dims(

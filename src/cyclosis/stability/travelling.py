@@ -9,6 +9,7 @@ as a whole. Seen from a frame that turns with them they are steady; profile and 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import jax
 import jax.numpy as jnp
@@ -21,6 +22,9 @@ from ..model.precision import double
 from .reduced import Reduced, reduced
 from .relax import relax
 from .steady import rms, steady
+
+if TYPE_CHECKING:
+    import xarray
 
 UNRESOLVED = 1e-2
 """A state whose interpolant leaves a larger |dP/dt + c P'| between its points is refused."""
@@ -50,6 +54,18 @@ class Drifting:
         """Return the state (2, n_theta, n_z) of a whole cell, the same all along it."""
         fine = interpolate(self.P[:, :, None], (grid.n_theta, 1))
         return np.broadcast_to(fine, (2, *grid.shape)).copy()
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return the state as an `xarray.Dataset` over `component` and `theta`."""
+        import xarray
+
+        dims = ("component", "theta")
+        return xarray.Dataset(
+            {"P": (dims, self.P), "u": (dims, self.u)},
+            coords={"component": ["theta", "z"], "theta": self.theta},
+            attrs={"drift": self.drift, "residual": self.residual}
+            | {name: float(value) for name, value in self.params.items()},
+        )
 
 
 def drifting(

@@ -1,0 +1,122 @@
+"""Results of the theory in a few lines of text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..stability.atlas import RegimeMap
+    from ..stability.dispersion_table import DispersionTable
+    from ..stability.eigenmodes import Modes
+    from ..stability.limits import Limits
+    from ..stability.profile import Profile
+    from ..stability.thresholds import Threshold
+    from ..stability.travelling import Drifting
+
+NEUTRAL = 1e-9
+"""Rates no larger are shown as zero."""
+WAVES = 12
+"""Waves that are listed."""
+
+
+def dispersion(table: DispersionTable) -> str:
+    """Return a table of growth rates and frequencies, and what they say."""
+    growing = int(np.sum(table.rates[:, 0].real > NEUTRAL))
+    verdict = f"{growing} of {table.m.size} listed waves grow" if growing else "none of these waves grows"
+    lines = [
+        f"{table.base} (|P| = {table.order:.6g}, cell of length {table.length:g}): {verdict}",
+        "   m   j         q       growth    frequency",
+    ]
+    for m, j, q, rate in zip(table.m, table.j, table.q, table.rates[:, 0], strict=True):
+        lines.append(f"{m:4d}{j:4d}{q:10.4f}{rate.real:13.6g}{_clean(-rate.imag):13.6g}")
+        if len(lines) == WAVES + 2:
+            lines.append(f"   ... {table.m.size - WAVES} more")
+            break
+    return "\n".join(lines)
+
+
+def profile(found: Profile) -> str:
+    """Return the numbers of a steady state of stripes."""
+    angles = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
+    P, u = found.at(angles)
+    return _table({
+        "state": f"{found.count} equal stripes, steady to {found.residual:.1e} between grid points",
+        "largest P": f"{np.abs(P).max():.10g}",
+        "largest u": f"{np.abs(u).max():.10g} U",
+        "rms u": f"{np.sqrt(np.mean(u**2)):.10g} U",
+        "power <Fu>": f"{np.mean(np.abs(P) ** found.params.force_exponent * P * u):.10g}",
+    })  # fmt: skip
+
+
+def drifting(found: Drifting) -> str:
+    """Return the numbers of tilted stripes that rotate."""
+    return _table({
+        "state": f"two tilted stripes, steady to {found.residual:.1e} between grid points, seen turning",
+        "drift": f"{found.drift:.8g} U about the axis",
+        "mean P_theta": f"{found.P[0].mean():.8g}",
+        "largest |P|": f"{np.hypot(*found.P).max():.8g}",
+        "largest |u|": f"{np.hypot(*found.u).max():.8g} U",
+    })  # fmt: skip
+
+
+def spectrum(found: Profile, modes: Modes) -> str:
+    """Return the leading eigenvalues, each with what the mode is made of."""
+    kind = f"waves along the cell of q = {modes.wavenumber:.6g}" if modes.wavenumber else "the same all along"
+    lines = [
+        f"{found.count} stripes, perturbations {kind}",
+        "      Re σ             Im σ       P_theta : P_z",
+    ]
+    for value, mode in zip(modes.eigenvalues, modes.modes, strict=True):
+        share = np.sum(np.abs(mode) ** 2, axis=1)
+        parts = share / share.sum()
+        note = "  the rotation" if abs(value) < NEUTRAL else ""
+        text = f"{_clean(value.real):15.9g}{_clean(value.imag):15.9g}"
+        lines.append(f"{text}{parts[0]:10.2f} : {parts[1]:.2f}{note}")
+    largest = max((v.real for v in modes.eigenvalues if abs(v) > NEUTRAL), default=0.0)
+    lines.append("unstable" if largest > NEUTRAL else "all of these decay")
+    return "\n".join(lines)
+
+
+def limits(found: Limits) -> str:
+    """Return existence, stability and the front's formula by parameter."""
+    lines = [f"{found.name:>10}   exists beyond   stable beyond         error   front formula"]
+    for k, value in enumerate(found.values):
+        exists = "every alpha_u" if found.exists[k] == 0 else _number(found.exists[k])
+        row = (exists, _number(found.stable[k]), f"{found.stable_error[k]:.1e}", _number(found.front[k]))
+        lines.append(f"{value:10.6g}" + "".join(f"{text:>16}" for text in row))
+    return "\n".join(lines)
+
+
+def threshold(found: Threshold) -> str:
+    """Return one threshold, its error and what grows below it."""
+    return (
+        f"stable against everything beyond alpha_u = {found.alpha_u:.10g} +- {found.error:.1e}: "
+        f"below it, {found.cause} ({found.n_theta} points)"
+    )
+
+
+def regime_map(found: RegimeMap) -> str:
+    """Return how many points of a map have each set of stable states."""
+    sets: dict[str, int] = {}
+    for i, j in np.ndindex(*found.stable.shape[1:]):
+        names = [name for name, there in zip(found.names, found.stable[:, i, j], strict=True) if there]
+        text = ", ".join(names) or "none of these"
+        sets[text] = sets.get(text, 0) + 1
+    head = f"stable states over {found.x.size} x {found.y.size} values of {found.x_name} and {found.y_name}"
+    rows = sorted(sets.items(), key=lambda item: -item[1])
+    return "\n".join([head, *(f"{count:8d}  {text}" for text, count in rows)])
+
+
+def _number(value: float) -> str:
+    return f"{value:.9g}" if np.isfinite(value) else "none"
+
+
+def _clean(value: float) -> float:
+    """Return a value without rounding errors that would be taken for something."""
+    return 0.0 if abs(value) < NEUTRAL else float(value)
+
+
+def _table(lines: dict[str, str]) -> str:
+    return "\n".join(f"{name:>14}  {text}" for name, text in lines.items())

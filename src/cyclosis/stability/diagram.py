@@ -1,0 +1,74 @@
+"""Bifurcation diagrams: a branch of states, and the branches that cross it or in which it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from ..analysis.zones import zone_angles
+from ..model.errors import InputError, whole
+from .branch import Branch, SpecialPoint
+from .continuation import continue_branch
+from .travelling import Drifting
+
+KNOWN = 0.25
+"""Distance from a branch, relative to that at which a new one is begun, within which it is that branch."""
+FAINT = 1e-3
+"""Order, mean or variation of P no larger counts as none."""
+BESIDE = 0.02
+"""Distance from a branch point at which a new branch is begun, root mean square of P."""
+
+
+def diagram(
+    start: Any, parameter: str, bounds: Sequence[float], depth: int = 2, **options: Any
+) -> list[Branch]:
+    """Return the branch through a state and those met from it, each once, in the order in which they are met.
+
+    `depth` is the number of times that a branch is left for another. At a pitchfork only one of two mirror
+    images is followed. Branches whose states vary along the cell or oscillate are not: their points stand
+    in `Branch.points`. All other arguments, and what is raised, are those of `continue_branch`.
+    """
+    depth = whole("depth", depth, 0, 10, "the default is 2")
+    found = [continue_branch(start, parameter, bounds, **options)]
+    front = found[:]
+    for _ in range(depth):
+        begun: list[Branch] = []
+        for branch in front:
+            for point in branch.points:
+                state = _beside(branch, point)
+                if state is None or any(other.holds(state, KNOWN * BESIDE) for other in found):
+                    continue
+                begun.append(continue_branch(state, parameter, bounds, **options))
+                found.append(begun[-1])
+        front = begun
+    return found
+
+
+def _beside(branch: Branch, point: SpecialPoint) -> Drifting | None:
+    """Return a state on the branch that crosses at a point, or None where there is none to be followed."""
+    if point.kind not in ("branch point", "Hopf point") or point.axial_mode:
+        return None
+    for size in (BESIDE, -BESIDE):
+        with suppress(InputError):
+            return branch.switch(point, size)
+    return None
+
+
+def label(branch: Branch) -> str:
+    """Return what the states of a branch are, in a few words, by that in its middle."""
+    P = branch.states[branch.parameter.size // 2]
+    order, mean = float(np.sqrt(np.mean(np.sum(P**2, axis=0)))), np.abs(P.mean(axis=1))
+    if order < FAINT:
+        return "disorder"
+    if np.ptp(P, axis=1).max() < FAINT:
+        return "circumferential" if mean[0] > mean[1] else "unidirectional"
+    count = zone_angles(P[1]).size
+    if count == 0:
+        return "rippled order"
+    words = [w for w, there in (("tilted", mean[0] > FAINT), ("unequal", mean[1] > FAINT)) if there]
+    if np.abs(P[0]).max() > FAINT and not words:
+        words = ["wavy"]
+    return ", ".join(words) + (" " if words else "") + ("stripes" if count == 2 else f"{count} stripes")
