@@ -15,19 +15,23 @@ def branch():
 
 
 def test_the_branch_goes_from_equal_stripes_to_the_unidirectional_state(branch):
-    order = float(cy.stability.unidirectional_order(CELL))
     assert branch.alpha_u[0] == pytest.approx(cy.stability.threshold(CELL), rel=1e-9)
     assert branch.width[0] == pytest.approx(0.5, abs=1e-9)
     assert branch.mean[0] == pytest.approx(0, abs=1e-12)
-    # The last state has 0.995 of the mean of the end, whose distance in α_u goes with what is left.
-    end = float(cy.stability.stripes_threshold(CELL))
-    assert branch.alpha_u[-1] == pytest.approx(end, rel=0.02)
-    left = (1 - branch.mean[-2:] / order) / (1 - branch.alpha_u[-2:] / end)
-    assert left[0] == pytest.approx(left[1], rel=0.3)
     assert np.all(np.diff(branch.alpha_u) > 0)
     assert np.all(np.diff(branch.width[branch.width > 0]) < 0)
-    assert np.all(branch.lowest > -order)
     assert branch.theta.shape == branch.P[0].shape == (resolution(CELL),)
+
+
+def test_it_ends_where_the_unidirectional_state_breaks_into_stripes():
+    """Both last states, at 0.99 and 0.995 of the mean of the end, to which α_u goes in proportion."""
+    params = cy.Parameters(alpha_p=0.1)
+    branch = cy.stability.unequal_branch(params)
+    order, end = (float(f(params)) for f in (cy.stability.unidirectional_order, cy.stability.stripes_threshold))
+    assert branch.mean[-2:] / order == pytest.approx([0.99, 0.995])
+    assert 2 * branch.alpha_u[-1] - branch.alpha_u[-2] == pytest.approx(end, rel=0.015)
+    assert np.all(branch.alpha_u < end)
+    assert branch.growth[-1] < branch.growth[-2] < branch.growth[-3]
 
 
 def test_every_state_of_the_branch_is_a_steady_saddle(branch):

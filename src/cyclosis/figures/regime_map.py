@@ -20,6 +20,7 @@ from .thresholds import Curve, given, thresholds
 LETTERS = {
     "disordered": "D",
     "unidirectional": "U",
+    "uneven": "E",
     "cyclosis": "C",
     "tilted": "T",
     "circumferential": "O",
@@ -28,6 +29,7 @@ LETTERS = {
 MEANINGS = {
     "D": "disorder",
     "U": "unidirectional",
+    "E": "uneven order",
     "C": "cyclosis",
     "T": "tilted stripes that rotate",
     "O": "circumferential",
@@ -38,6 +40,7 @@ COLOURS = {
     "D": SHADE,
     "U": "#87ec98",
     "C": "#74399f",
+    "E": "#3fa7a0",
     "T": "#e9b949",
     "O": "#2b5232",
     "C/U": "#b78be0",
@@ -98,7 +101,7 @@ def regions(found: RegimeMap) -> tuple[Codes, list[str]]:
     codes = np.zeros(found.stable.shape[1:], dtype=np.int64)
     for i, j in np.ndindex(*codes.shape):
         letters = [LETTERS[n] for n, there in zip(found.names, found.stable[:, i, j], strict=True) if there]
-        name = "/".join(sorted(letters, key="CTODU".index)) or NONE
+        name = "/".join(sorted(letters, key="CTODUE".index)) or NONE
         if name not in names:
             names.append(name)
         codes[i, j] = names.index(name)

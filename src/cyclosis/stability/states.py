@@ -1,7 +1,9 @@
 """Which named states exist at a parameter point, and which of them are stable, without a run.
 
-Uniform states in closed form; two equal stripes and two tilted ones that rotate by Newton's method. Each
-is stable if every perturbation of the whole cell decays, whatever its waves around and along the cell.
+Uniform states in closed form; stripes by Newton's method: two equal ones, two tilted ones that rotate, and
+uneven order, with more of it upward than downward, in which the unidirectional state ends up where it breaks
+into stripes and equal ones do not exist. Each is stable if every perturbation of the whole cell decays,
+whatever its waves around and along the cell.
 """
 
 from __future__ import annotations
@@ -18,20 +20,24 @@ from .equal import EqualStripes
 from .leading import cutoff, decays, leading, most_waves
 from .nodes import NEUTRAL
 from .reduced import reduced
+from .relax import relax
+from .steady import steady
 from .thresholds import resolution
 from .travelling import LENGTH, drifting
 from .uniform import orders
 from .weakest import LONGEST_CELL, Perturbations, waves_in_words
 
-STATES = ("disordered", "unidirectional", "cyclosis", "tilted", "circumferential")
+STATES = ("disordered", "unidirectional", "uneven", "cyclosis", "tilted", "circumferential")
 """The states looked for; "tilted" are two stripes with a mean P_theta, which rotate about the axis."""
 UNIFORM = {
     "disordered": "disorder",
     "unidirectional": "unidirectional",
     "circumferential": "circumferential",
 }
-TILTED_POINTS = 96
-"""Points around the cell for tilted stripes, whose zones are wider than those of upright ones."""
+POINTS = 96
+"""Points around the cell for tilted and uneven stripes, whose zones are wider than those of equal ones."""
+RIPPLE, DURATION = 0.05, 3000.0
+"""Amplitude of the wave on unidirectional order, and the time for which it is followed: it may oscillate."""
 
 
 class Standing(NamedTuple):
@@ -55,6 +61,7 @@ def states(params: Parameters, length: float = LENGTH) -> dict[str, Standing]:
     found = {name: _uniform(params, base, length) for name, base in UNIFORM.items()}
     found["cyclosis"] = _upright(params, length)
     found["tilted"] = _tilted(params, length)
+    found["uneven"] = _uneven(params, length) if _breaks(params) else ABSENT
     return {name: found[name] for name in STATES}
 
 
@@ -95,13 +102,35 @@ def _upright(params: Parameters, length: float) -> Standing:
 
 def _tilted(params: Parameters, length: float) -> Standing:
     try:
-        state = drifting(params, TILTED_POINTS)
+        state = drifting(params, POINTS)
     except InputError:
         return ABSENT
+    return _moving(params, length, state.P.ravel(), state.drift)
+
+
+def _breaks(params: Parameters) -> bool:
+    """Return whether there is a unidirectional state that a wave around the axis makes uneven."""
+    if orders(params, "unidirectional").size == 0:
+        return False
+    return bool(growth_rates(params, "unidirectional", 1.0, 0.0)[0].real > NEUTRAL)
+
+
+def _uneven(params: Parameters, length: float) -> Standing:
+    problem = reduced(params, CylinderGrid(POINTS, 8, length))
+    order = orders(params, "unidirectional")[0]
+    theta = problem.turn / POINTS * np.arange(POINTS)
+    began = np.concatenate([np.zeros(POINTS), order + RIPPLE * np.cos(theta)])
+    found = steady(problem, relax(problem, began, DURATION).y)
+    if found is None or found.uniform or abs(found.y[POINTS:].mean()) < RIPPLE * order:
+        return ABSENT
+    return _moving(params, length, found.y, found.drift)
+
+
+def _moving(params: Parameters, length: float, y: Array, drift: float) -> Standing:
+    """Return how a state y (2n,) stands that drifts about the axis, or stands still."""
     waves = most_waves(params, 2 * np.pi / length)
-    problem = reduced(params, CylinderGrid(TILTED_POINTS, max(8, 2 * waves + 2), length))
-    y, largest = state.P.ravel(), cutoff(params)
-    turning = state.drift * problem.derivative
+    problem = reduced(params, CylinderGrid(POINTS, max(8, 2 * waves + 2), length))
+    largest, turning = cutoff(params), drift * problem.derivative
     along = leading(problem.jacobian(y) + turning, problem.k, largest, problem.slope(y))
     if along[0].real > NEUTRAL:
         return Standing(True, False, "a change of shape")
