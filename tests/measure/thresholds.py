@@ -73,6 +73,9 @@ def existence():
     law = "pitchfork at alpha_p = d_r + d_s"
     rows.append(Row(law, "alpha_u - 0.0525", abs(thresholds.fold(params(0.05)) - 0.0525), 1e-15))
     rows.append(Row(law, "fold 1e-9 below it - 0.0525", near - 0.0525, 1e-4, 0.0))
+    linear = params(0.0, force_exponent=0, alpha_u=0.0525)
+    rates = cy.stability.growth_rates(linear, "disorder", np.arange(1, 9), 0.0).real
+    rows.append(Row("linear force, alpha_p = 0, alpha_u = 0.0525", "largest growth", abs(rates.max()), 1e-15))
     alpha_p, alpha_u = onset.corner(params(0.05))
     law = "corner of existence and stability"
     return [*rows, Row(law, "alpha_p", alpha_p, 0.05, 0.045), Row(law, "alpha_u", alpha_u)]

@@ -55,7 +55,7 @@ def test_the_amplitude_gives_the_state_and_how_its_alpha_u_changes(problem):
     state = problem.full(0.2)
     again = problem.at_amplitude(problem.amplitude(state.P), problem.full(0.1))
     assert again.alpha_u == pytest.approx(0.2, abs=1e-10)
-    assert again.P == pytest.approx(state.P, abs=1e-10)
+    assert pytest.approx(state.P, abs=1e-10) == again.P
     apart = [problem.at_amplitude(problem.amplitude(state.P) + step, again).alpha_u for step in (-1e-5, 1e-5)]
     assert again.slope == pytest.approx((apart[1] - apart[0]) / 2e-5, rel=1e-5)
 

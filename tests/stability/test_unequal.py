@@ -27,7 +27,9 @@ def test_it_ends_where_the_unidirectional_state_breaks_into_stripes():
     """Both last states, at 0.99 and 0.995 of the mean of the end, to which α_u goes in proportion."""
     params = cy.Parameters(alpha_p=0.1)
     branch = cy.stability.unequal_branch(params)
-    order, end = (float(f(params)) for f in (cy.stability.unidirectional_order, cy.stability.stripes_threshold))
+    order, end = (
+        float(f(params)) for f in (cy.stability.unidirectional_order, cy.stability.stripes_threshold)
+    )
     assert branch.mean[-2:] / order == pytest.approx([0.99, 0.995])
     assert 2 * branch.alpha_u[-1] - branch.alpha_u[-2] == pytest.approx(end, rel=0.015)
     assert np.all(branch.alpha_u < end)

@@ -143,7 +143,7 @@ def threshold(
     The option --alpha-u plays no part.
     """
     from ..report import theory as report
-    from ..stability.limits import limits
+    from ..stability.boundaries import limits
     from ..stability.thresholds import threshold_with_error
 
     params = _params(options)

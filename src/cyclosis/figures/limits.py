@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..model.errors import number
-from ..stability.limits import Limits
+from ..stability.boundaries import Limits
 from ..stability.onset import Neighbourhood
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 from .swept import axis

@@ -14,7 +14,7 @@ from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.dispersion import stripes_threshold, tilt_threshold
-from ..stability.limits import ALONG, quick_limits, rotating_limit, tilt_limit
+from ..stability.boundaries import ALONG, quick_limits, rotating_limit, tilt_limit
 from .swept import Axis
 
 POINTS = 600

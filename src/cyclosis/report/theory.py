@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from ..stability.atlas import RegimeMap
     from ..stability.dispersion_table import DispersionTable
     from ..stability.eigenmodes import Modes
-    from ..stability.limits import Limits
+    from ..stability.boundaries import Limits
     from ..stability.profile import Profile
     from ..stability.thresholds import Threshold
     from ..stability.travelling import Drifting

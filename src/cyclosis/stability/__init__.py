@@ -24,8 +24,8 @@ from .elliptic import elliptic_profile as elliptic_profile
 from .elliptic import front_threshold as front_threshold
 from .equilibria import SteadyState as SteadyState
 from .equilibria import steady_state as steady_state
-from .limits import Limits as Limits
-from .limits import limits as limits
+from .boundaries import Limits as Limits
+from .boundaries import limits as limits
 from .modes import CellModes as CellModes
 from .modes import leading_modes as leading_modes
 from .multistripe import common_threshold as common_threshold

@@ -20,7 +20,7 @@ from ..model.parameters import Parameters
 from .crossings import existing_from
 from .equal import EqualStripes
 from .families import WIDTHS
-from .limits import Limits, limits
+from .boundaries import Limits, limits
 from .profile import check
 from .thresholds import resolution
 

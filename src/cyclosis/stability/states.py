@@ -15,7 +15,7 @@ import numpy as np
 from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
-from .dispersion import growth_rates
+from .dispersion import growth_rates, stripes_threshold
 from .equal import EqualStripes
 from .leading import cutoff, decays, leading, most_waves
 from .nodes import NEUTRAL
@@ -36,8 +36,13 @@ UNIFORM = {
 }
 POINTS = 96
 """Points around the cell for tilted and uneven stripes, whose zones are wider than those of equal ones."""
-RIPPLE, DURATION = 0.05, 3000.0
-"""Amplitude of the wave on unidirectional order, and the time for which it is followed: it may oscillate."""
+SMALL = 0.03
+"""Mean of P_z, relative to unidirectional order, below which stripes are not uneven."""
+UNEVEN, DURATION = (0.6, 0.4), 3000.0
+"""Mean and wave, relative to unidirectional order, of a guess of uneven order, and the time for which it is
+followed: it may oscillate."""
+SUBCRITICAL = 0.7
+"""Uneven order is looked for from this multiple of the α_u at which the unidirectional state breaks up."""
 
 
 class Standing(NamedTuple):
@@ -109,19 +114,19 @@ def _tilted(params: Parameters, length: float) -> Standing:
 
 
 def _breaks(params: Parameters) -> bool:
-    """Return whether there is a unidirectional state that a wave around the axis makes uneven."""
+    """Return whether there is a unidirectional state that breaks into stripes here or not far above."""
     if orders(params, "unidirectional").size == 0:
         return False
-    return bool(growth_rates(params, "unidirectional", 1.0, 0.0)[0].real > NEUTRAL)
+    return bool(params.alpha_u > SUBCRITICAL * stripes_threshold(params))
 
 
 def _uneven(params: Parameters, length: float) -> Standing:
     problem = reduced(params, CylinderGrid(POINTS, 8, length))
     order = orders(params, "unidirectional")[0]
     theta = problem.turn / POINTS * np.arange(POINTS)
-    began = np.concatenate([np.zeros(POINTS), order + RIPPLE * np.cos(theta)])
+    began = np.concatenate([np.zeros(POINTS), order * (UNEVEN[0] + UNEVEN[1] * np.cos(theta))])
     found = steady(problem, relax(problem, began, DURATION).y)
-    if found is None or found.uniform or abs(found.y[POINTS:].mean()) < RIPPLE * order:
+    if found is None or found.uniform or abs(found.y[POINTS:].mean()) < SMALL * order:
         return ABSENT
     return _moving(params, length, found.y, found.drift)
 
