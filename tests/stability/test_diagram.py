@@ -42,3 +42,18 @@ def test_depth_bounds_how_far_it_goes():
     assert len(alone) == 1
     with pytest.raises(cy.InputError, match="depth"):
         diagram(start, "kappa", (0.4, 0.6), depth=-1)
+
+
+def test_unequal_stripes_end_where_the_unidirectional_state_breaks_up():
+    """Both ends of the saddle branch are exact: the threshold of equal stripes, and a closed form."""
+    params = cy.Parameters(alpha_p=0.1, alpha_u=0.05)
+    found = diagram(
+        cy.stability.cyclosis(params, N), "alpha_u", (0.001, 0.4), depth=2, length=None, longest=0.05
+    )
+    assert [label(branch) for branch in found] == ["stripes", "uneven order", "unidirectional"]
+    ends = sorted(point.value for point in found[1].points if point.ends)
+    assert ends[0] == pytest.approx(cy.stability.threshold(params), rel=1e-6)
+    assert ends[1] == pytest.approx(float(cy.stability.stripes_threshold(params)), rel=1e-9)
+    assert not found[1].stable.any()
+    crossing = [point.value for point in found[2].of("branch point")]
+    assert min(abs(np.array(crossing) - ends[1])) < 1e-9

@@ -108,7 +108,9 @@ def _panel(ax: Any, branches: Sequence[Branch], measure: str, log: bool) -> None
                 )
     values = np.concatenate([branch.parameter for branch in branches])
     ax.set_xlim(values.min(), values.max())
-    ax.axhline(0.0, color=QUIET, linewidth=0.5, zorder=0)
+    low, high = ax.get_ylim()
+    if low <= 0 <= high:
+        ax.axhline(0.0, color=QUIET, linewidth=0.5, zorder=0)
     ax.set_xlabel(axis(branches[0].name, np.sort(values)[[0, -1]], False).symbol, labelpad=1.0)
     ax.set_ylabel(SYMBOLS[measure])
     ax.spines[["top", "right"]].set_visible(False)

@@ -101,7 +101,7 @@ def regions(found: RegimeMap) -> tuple[Codes, list[str]]:
     codes = np.zeros(found.stable.shape[1:], dtype=np.int64)
     for i, j in np.ndindex(*codes.shape):
         letters = [LETTERS[n] for n, there in zip(found.names, found.stable[:, i, j], strict=True) if there]
-        name = "/".join(sorted(letters, key="CTODUE".index)) or NONE
+        name = "/".join(sorted(letters, key="CTUDOE".index)) or NONE
         if name not in names:
             names.append(name)
         codes[i, j] = names.index(name)

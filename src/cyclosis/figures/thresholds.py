@@ -13,8 +13,8 @@ import numpy.typing as npt
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
-from ..stability.dispersion import stripes_threshold, tilt_threshold
 from ..stability.boundaries import ALONG, quick_limits, rotating_limit, tilt_limit
+from ..stability.dispersion import stripes_threshold, tilt_threshold
 from .swept import Axis
 
 POINTS = 600
@@ -126,7 +126,7 @@ def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
     # Curves are steep where stripes begin, however wide the axis.
     near = np.geomspace(max(line[0], 1e-3 * line[-1]), line[-1], PLACES)
     onset = [params.d_r + params.d_s] if other == "alpha_p" else []
-    at = np.unique(np.concatenate([line[::2], near, onset]))
+    at = np.unique(np.maximum(np.concatenate([line[::2], near, onset]), 0.0))
     at = at[(at >= line[0]) & (at <= line[-1])]
     pairs = np.full((at.size, 2), np.nan)
     for k, value in enumerate(at):

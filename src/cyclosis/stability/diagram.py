@@ -67,7 +67,7 @@ def label(branch: Branch) -> str:
         return "circumferential" if mean[0] > mean[1] else "unidirectional"
     count = zone_angles(P[1]).size
     if count == 0:
-        return "rippled order"
+        return "uneven order"
     words = [w for w, there in (("tilted", mean[0] > FAINT), ("unequal", mean[1] > FAINT)) if there]
     if np.abs(P[0]).max() > FAINT and not words:
         words = ["wavy"]

@@ -34,7 +34,7 @@ REAL = 1e-6
 BESIDE = 0.1
 """Distance from a turning point, relative to that between the nodes, at which both sides are compared."""
 AMPLITUDES = (0.005, 0.01, 0.015, 0.02)
-"""Distances from where stripes vanish of the states that tell where that is."""
+"""Distances from where stripes vanish of the states that tell where that is, smaller if node a is nearer."""
 
 
 class LostError(Exception):
@@ -116,8 +116,10 @@ class Between:
         shape = varying(self.a.X)
         first, last = float(shape @ shape), float(shape @ varying(self.b.X))
         place = self.whole * first / (first - last)
-        near = [self._at(place - distance) for distance in AMPLITUDES]
+        nearer = min(1.0, place / AMPLITUDES[-1])
+        near = [self._at(place - nearer * distance) for distance in AMPLITUDES]
         square = np.array([rms(varying(X)) ** 2 for X in near])
+        square /= square.max()
         powers = np.stack([square**0, square, square**2, square**3], axis=1)
         X = np.linalg.solve(powers, [np.append(uniform(X), X[-2:]) for X in near])[0]
         tangent = X - near[0]
