@@ -80,7 +80,7 @@ def test_a_branch_says_what_happens_on_it(tmp_path):
         "--out", tmp_path / "branch.nc",
     )  # fmt: skip
     assert "stripes: " in out
-    assert "Branch point at kappa = 0.4707" in out
+    assert "Branch point at kappa = 0.47069" in out
     with xarray.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as data:
         assert data["stable"].values[-1] == 1
         assert data["kappa"].values[0] == pytest.approx(0.45)

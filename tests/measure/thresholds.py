@@ -41,7 +41,7 @@ def stability():
 
 
 TINY = ((0.4, 192, 40), (0.5, 192, 40), (1.0, 256, 56))
-"""α_p at which the growth rate at rest is near 1e-6 or below, points around, and on a quarter in 40 digits."""
+"""α_p at which the rate without flow is near 1e-6 or below, points around, and on a quarter in 40 digits."""
 
 
 def small_rates(alpha_p, n, points):

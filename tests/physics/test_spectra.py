@@ -1,5 +1,7 @@
 """Eigenvalues of stripes: known digits, closed forms, exponential convergence, and rates seen in runs."""
 
+import pytest
+
 from measure import check, spectra
 
 
@@ -8,6 +10,7 @@ def test_known_eigenvalues():
     check(spectra.known())
 
 
+@pytest.mark.slow
 def test_lame_s_rates_without_flow():
     check(spectra.closed_forms())
 
@@ -17,5 +20,5 @@ def test_exponential_convergence():
 
 
 def test_three_ways_to_one_rate():
-    """The profile's spectrum, the whole cell's leading modes, and simulations, for seven modes, two complex."""
+    """The profile's spectrum, the whole cell's leading modes, and runs, for seven modes, two complex."""
     check(spectra.three_ways())

@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import cyclosis as cy
@@ -36,6 +36,19 @@ def cells(most=1.0):
         zero_theta_flux=st.booleans(),
         force_exponent=st.sampled_from([2.0, 2.0, 2.0, 0.0, 1.0, 3.5]),
     )
+
+
+TAME = st.builds(
+    cy.Parameters,
+    alpha_p=st.floats(0.0, 0.8),
+    alpha_u=spread(1e-3, 1.0),
+    epsilon=st.floats(0.0, 0.5),
+    d_s=st.floats(0.01, 0.06),
+    d_r=st.floats(0.0, 0.08),
+    kappa=st.floats(0.0, 0.8),
+    mu=st.floats(0.0, 0.3),
+)
+"""Cells in which most of what is asked for exists."""
 
 
 def tried(call, *arguments, **options):
@@ -74,7 +87,13 @@ def assert_stripes(state, count):
     assert found == pytest.approx(state.residual, rel=1e-3, abs=1e-9)
 
 
-ANY = settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+ANY = settings(
+    max_examples=40,
+    deadline=None,
+    derandomize=True,
+    phases=[Phase.generate],  # an example takes too long to be made simpler
+    suppress_health_check=list(HealthCheck),
+)
 FEW = settings(ANY, max_examples=12)
 
 
@@ -88,8 +107,9 @@ def test_stripes(params, n, count):
         assert np.all(np.isfinite(modes.eigenvalues))
 
 
+@pytest.mark.slow
 @FEW
-@given(cells(), st.sampled_from([48, 64, 81]))
+@given(TAME, st.sampled_from([64, 81]))
 def test_unequal_stripes(params, n):
     state = tried(cy.stability.unequal, params, n)
     if state is not None:
@@ -97,8 +117,9 @@ def test_unequal_stripes(params, n):
         assert state.widths.min() < 0.5
 
 
+@pytest.mark.slow
 @FEW
-@given(cells(), st.booleans())
+@given(cells() | TAME, st.booleans())
 def test_thresholds_and_folds(params, full):
     found = tried(cy.stability.threshold_with_error, params, full=full)
     below = params.replace(alpha_p=0.9 * min(params.d_r + params.d_s, 1.0))
@@ -109,8 +130,9 @@ def test_thresholds_and_folds(params, full):
             assert value.cause
 
 
+@pytest.mark.slow
 @FEW
-@given(cells(), st.sampled_from([48, 64, 65]), st.sampled_from(["left", "right"]))
+@given(cells() | TAME, st.sampled_from([48, 64, 65]), st.sampled_from(["left", "right"]))
 def test_drifting_states(params, n, hand):
     state = tried(cy.stability.drifting, params, n, hand, 50.0)
     if state is not None:
@@ -123,7 +145,7 @@ NAMES = ("alpha_p", "alpha_u", "kappa", "d_s", "d_r", "mu", "epsilon", "force_ex
 
 
 @FEW
-@given(cells(), st.sampled_from([32, 48]), st.sampled_from(NAMES))
+@given(TAME, st.sampled_from([48, 64]), st.sampled_from(NAMES))
 def test_branches(params, n, name):
     start = tried(cy.stability.cyclosis, params, n)
     if start is None:
@@ -143,8 +165,9 @@ def test_branches(params, n, name):
     assert "nan" not in str(branch)
 
 
+@pytest.mark.slow
 @FEW
-@given(cells(), st.sampled_from([16, 24, 25]), st.integers(0, 10**6))
+@given(TAME, st.sampled_from([16, 24, 25]), st.integers(0, 10**6))
 def test_states_of_the_whole_cell(params, n, seed):
     grid = cy.CylinderGrid(n, 8, 5.0)
     guess = 0.02 * np.random.default_rng(seed).normal(size=(2, *grid.shape))

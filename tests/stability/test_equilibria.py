@@ -29,12 +29,14 @@ def test_stripes_are_those_of_the_profile_wherever_they_lie():
     assert found.residual < 1e-11
     # What is left beside the residual lies in Nyquist modes, of which a state has none.
     assert np.abs(cy.rate_of_change(CELL, GRID, found.state)).max() < 1e-7
-    assert np.abs(found.drift).max() < 1e-9
+    # Zones between grid points are not quite symmetric on it.
+    assert np.abs(found.drift).max() < 1e-7
     assert np.ptp(found.state, axis=2).max() < 1e-8
     zone = np.angle(np.fft.fft(found.state[1, :, 0])[1] / np.fft.fft(profile.P)[1])
     assert found.state[1, :, 0] == pytest.approx(profile.at(GRID.theta, -zone)[0], abs=1e-5)
 
 
+@pytest.mark.slow
 def test_what_rotates_is_found_with_its_speed():
     params, grid = cy.Parameters(kappa=0.1), cy.CylinderGrid(64, 8, 5.0)
     guess = rough(grid, 0.02)
@@ -76,14 +78,11 @@ def test_disorder_and_uniform_states_are_found_for_such_guesses_only(zero):
 )
 def test_stripes_that_do_not_last_are_said_not_to(params):
     grid = cy.CylinderGrid(32, 8, 5.0)
-    try:
-        found = cy.stability.steady_state(params, grid, rough(grid))
-    except cy.InputError as error:
-        assert "guess" in str(error)
-    else:
-        assert np.ptp(found.state[1].mean(axis=1)) > 0.1
+    with pytest.raises(cy.InputError, match="guess"):
+        cy.stability.steady_state(params, grid, rough(grid))
 
 
+@pytest.mark.slow
 def test_terms_and_dealiasing_are_those_of_the_run():
     terms = ("bundling", "flow_alignment", "repulsion", "diffusion", "rotational_diffusion")
     grid = cy.CylinderGrid(32, 8, 5.0)

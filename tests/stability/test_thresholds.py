@@ -64,7 +64,7 @@ def test_stripes_exist_above_the_fold_only():
 
 
 def test_a_linear_force_makes_disorder_break_into_stripes():
-    """The paper's reason for a cubic one: at α_p = 0 order grows from nothing once α_u > (d_r + d_s)(1 + μ)."""
+    """The paper's reason for a cubic one: at α_p = 0 it grows from nothing once α_u > (d_r + d_s)(1 + μ)."""
     params = cy.Parameters(alpha_p=0.0, force_exponent=0.0)
     value = cy.stability.fold(params)
     assert value == pytest.approx(0.05 * 1.05, rel=1e-14)

@@ -8,9 +8,9 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..stability.atlas import RegimeMap
+    from ..stability.boundaries import Limits
     from ..stability.dispersion_table import DispersionTable
     from ..stability.eigenmodes import Modes
-    from ..stability.boundaries import Limits
     from ..stability.profile import Profile
     from ..stability.thresholds import Threshold
     from ..stability.travelling import Drifting

@@ -9,6 +9,8 @@ from . import elliptic as elliptic
 from . import profile as profile
 from .atlas import RegimeMap as RegimeMap
 from .atlas import regime_map as regime_map
+from .boundaries import Limits as Limits
+from .boundaries import limits as limits
 from .branch import Branch as Branch
 from .branch import SpecialPoint as SpecialPoint
 from .continuation import continue_branch as continue_branch
@@ -24,8 +26,6 @@ from .elliptic import elliptic_profile as elliptic_profile
 from .elliptic import front_threshold as front_threshold
 from .equilibria import SteadyState as SteadyState
 from .equilibria import steady_state as steady_state
-from .boundaries import Limits as Limits
-from .boundaries import limits as limits
 from .modes import CellModes as CellModes
 from .modes import leading_modes as leading_modes
 from .multistripe import common_threshold as common_threshold

@@ -17,10 +17,10 @@ from scipy.optimize import brentq
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
+from .boundaries import Limits, limits
 from .crossings import existing_from
 from .equal import EqualStripes
 from .families import WIDTHS
-from .boundaries import Limits, limits
 from .profile import check
 from .thresholds import resolution
 

@@ -70,7 +70,8 @@ class Profile:
         """Fractions (count,) of the turn that the stripes take, beginning with the one that points up."""
         zones = zone_angles(self.P)
         # The zone at 0 may be found on either side of it.
-        return stripe_widths(np.where(zones > 2 * np.pi - 1e-9, zones - 2 * np.pi, zones))
+        last = 2 * np.pi - np.pi / self.theta.size
+        return stripe_widths(np.sort(np.where(zones > last, zones - 2 * np.pi, zones)))
 
     def spectrum(
         self, count: int = 8, axial_mode: int = 0, length: float = 5.0, components: str = "both"

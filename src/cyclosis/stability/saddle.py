@@ -191,10 +191,13 @@ def _profile(params: Parameters, P: Array, n: int) -> Profile:
     m = np.fft.rfftfreq(P.size, 1 / P.size)
     turned = np.fft.irfft(np.fft.rfft(P) * np.exp(1j * m * zones[1]), P.size)
     found = []
+    values = turned[:, None]
     for size in (n, 2 * n):
+        # The second time from the n points themselves, so that it says how well they resolve the state.
+        values = interpolate(values, (size, 1))
         grid = CylinderGrid(size, 8)
         state = np.zeros((2, *grid.shape))
-        state[1] = interpolate(turned[:, None], (size, 1))
+        state[1] = values
         found.append((grid, state))
     residual = float(np.abs(rate_of_change(params, *found[1])).max())
     if residual > UNRESOLVED:

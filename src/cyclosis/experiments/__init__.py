@@ -1,0 +1,8 @@
+"""Virtual experiments: each claim of Woodhouse & Goldstein (2013) put to the model cell, and its verdict."""
+
+from .catalogue import NAMES as NAMES
+from .catalogue import experiment as experiment
+from .experiment import Experiment as Experiment
+from .experiment import Verdict as Verdict
+from .perform import Performance as Performance
+from .perform import perform as perform

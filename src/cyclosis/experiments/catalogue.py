@@ -1,0 +1,36 @@
+"""The experiments by name; each stands in a file of its own and loads when it is asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from ..model.errors import choice
+from .experiment import Experiment
+
+NAMES = (
+    "emergence",
+    "shear-straightening",
+    "equal-stripes",
+    "recovery",
+    "surviving-seeds",
+    "cytochalasin",
+    "myosin-inhibition",
+    "coalescence",
+    "circumferential",
+    "weak-repulsion",
+    "force-law",
+    "wound",
+    "ablation",
+    "timescales",
+    "cell-shape",
+    "twist",
+)
+"""Every experiment, in the order in which the paper comes to its claim."""
+
+
+def experiment(name: str) -> Experiment:
+    """Return an experiment by name. Raises `InputError` for a name that is none of `NAMES`."""
+    chosen = choice("experiment", name, NAMES)
+    module = import_module(f"{__package__}.{chosen.replace('-', '_')}")
+    found: Experiment = module.EXPERIMENT
+    return found

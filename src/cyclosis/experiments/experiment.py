@@ -1,0 +1,47 @@
+"""What an experiment is: a claim, how it is tested, what came out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+    from .lab import Lab
+
+AGREES, IN_PART, DOES_NOT = OUTCOMES = ("agrees", "in part", "does not")
+"""How a claim stands: as the paper says, with a reservation that the sentence names, or not so."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How a claim stands: `outcome`, one of `OUTCOMES`, and the sentence with the numbers that say so."""
+
+    outcome: str
+    measured: str
+
+    def __str__(self) -> str:
+        return f"{self.outcome}: {self.measured}"
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A virtual experiment.
+
+    `claim` is the paper's, in our words, `source` where it stands, `method` what is done and measured.
+    `seeds` is the number of seeds of the full form and `quick_seeds` that of the quick one. `measure` makes
+    the dataset, from which alone `verdict` and `draw` follow: a stored dataset gives the same again.
+    """
+
+    name: str
+    claim: str
+    source: str
+    method: str
+    seeds: int
+    quick_seeds: int
+    measure: Callable[[Lab], xarray.Dataset]
+    verdict: Callable[[xarray.Dataset], Verdict]
+    draw: Callable[[xarray.Dataset], Figure]

@@ -1,0 +1,141 @@
+"""Where experiments are done: many seeds go through the sweep engine, single stories through `simulate`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from ..dynamics.simulate import simulate
+from ..model.errors import InputError
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from ..model.system import flow
+from ..sweep.collect import open_sweep
+from ..sweep.execute import run_sweep
+from ..sweep.local import local_client
+from ..sweep.plan import Sweep
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from ..dynamics.protocol import Protocol
+    from ..dynamics.trajectory import Trajectory
+    from ..sweep.tally import SweepProgress
+
+Told = Callable[[str, "SweepProgress"], None]
+
+
+class Lab:
+    """The bench of one experiment: how many `seeds`, whether it is `quick`, and where sweeps are stored.
+
+    As a context it starts worker processes with the first sweep and stops them at the end. Stores stay in
+    `folder`, so that an experiment that was cut off goes on where it was. `told` hears of progress.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        seeds: int,
+        quick: bool = False,
+        workers: int | None = None,
+        told: Told | None = None,
+    ) -> None:
+        self.folder, self.seeds, self.quick = folder, seeds, quick
+        self._workers, self._told = workers, told
+        self._cluster: AbstractContextManager[Any] | None = None
+        self._client: Any = None
+
+    def __enter__(self) -> Lab:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._cluster is not None:
+            self._cluster.__exit__(kind, error, trace)
+            self._cluster = self._client = None
+
+    def sweep(
+        self, label: str, tables: Mapping[str, Any], variables: Sequence[str] | None = None
+    ) -> xarray.Dataset:
+        """Compute a sweep given as tables, or what is missing of it, and return its dataset in memory.
+
+        [ensemble] seeds is the lab's number of seeds and the grid 48 x 48, unless the tables say otherwise.
+        Raises `InputError` if members failed or it was interrupted.
+        """
+        whole = {
+            "grid": {"n_theta": 48, "n_z": 48},
+            **tables,
+            "ensemble": {"seeds": self.seeds, **tables.get("ensemble", {})},
+        }
+        sweep = Sweep.from_tables(whole)
+        store = self.folder / label
+        store.parent.mkdir(parents=True, exist_ok=True)
+
+        def told(now: SweepProgress) -> None:
+            if self._told is not None:
+                self._told(label, now)
+
+        summary = run_sweep(sweep, store, self._running(), progress=told)
+        if summary.status != "complete":
+            rule = f"complete, and it is {summary.status}"
+            raise InputError("the sweep", str(store), rule, "start the experiment again: it goes on")
+        with open_sweep(store, variables=variables) as data:
+            return data.load()
+
+    def each(self, label: str, function: Callable[..., Any], items: Iterable[tuple[Any, ...]]) -> list[Any]:
+        """Return function(*item) for every item, in order, computed by the workers.
+
+        For what a sweep does not record, such as a course over time. `function` is one of a module.
+        """
+        listed = list(items)
+        client = self._running()
+        futures = client.map(lambda item: function(*item), listed, pure=False, key=f"{label}-{id(listed)}")
+        return list(client.gather(futures))
+
+    def story(
+        self,
+        params: Parameters,
+        grid: CylinderGrid,
+        state: Array,
+        t_end: float,
+        times: Sequence[float] = (),
+        protocol: Protocol | None = None,
+        **settings: Any,
+    ) -> Trajectory:
+        """Run one cell and return its trajectory; `times` are those of saved frames (default: the end)."""
+        given = {"protocol": protocol} if protocol is not None else {}
+        run = simulate(params, grid, state, t_end, save_at=tuple(times) or (t_end,), **given, **settings)
+        if run.status == "interrupted":
+            raise InputError("the run", "interrupted", "left to its end", "start the experiment again")
+        return run
+
+    def _running(self) -> Any:
+        if self._client is None:
+            self._cluster = local_client(self._workers)
+            self._client = self._cluster.__enter__()
+        return self._client
+
+
+def frames(run: Trajectory, times: Sequence[float]) -> xarray.Dataset:
+    """Return P and u of a run's frames nearest to `times`, as variables over `frame`, in single precision."""
+    saved = np.asarray(run.times)
+    chosen = [int(np.argmin(np.abs(saved - time))) for time in times]
+    P = np.stack([run.frames[index] for index in chosen])
+    u = np.stack([flow(run.params, run.grid, state) for state in P])
+    dims = ("frame", "component", "theta", "z")
+    return xarray.Dataset(
+        {"P": (dims, P.astype(np.float32)), "u": (dims, u.astype(np.float32))},
+        coords={
+            "frame_time": ("frame", saved[chosen]),
+            "component": ["theta", "z"],
+            "theta": run.grid.theta,
+            "z": run.grid.z,
+        },
+        attrs={"length": run.grid.length},
+    )
