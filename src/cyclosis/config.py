@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .model.definitions import INITIAL, TABLES, Definition
-from .model.errors import InputError
+from .model.errors import InputError, closest
 
 if TYPE_CHECKING:
     from .dynamics.settings import Settings
@@ -160,9 +159,3 @@ def _checked(item: Definition, value: Any) -> Any:
     if item.field and isinstance(value, list):
         return value  # `Parameters` checks fields
     return item.check(value)
-
-
-def closest(name: str, known: Iterable[str]) -> str:
-    """Return the remedy for a misspelt name."""
-    match = difflib.get_close_matches(str(name), list(known), 1)
-    return f"did you mean {match[0]}?".rstrip("?") if match else "check the spelling"
