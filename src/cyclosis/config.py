@@ -12,6 +12,7 @@ from .model.definitions import INITIAL, TABLES, Definition
 from .model.errors import InputError, closest
 
 if TYPE_CHECKING:
+    from .dynamics.protocol import Protocol
     from .dynamics.settings import Settings
     from .model.grid import Array, CylinderGrid
     from .model.parameters import Parameters
@@ -39,11 +40,34 @@ class Setup:
     settings: Settings
     terms: tuple[str, ...] | None
     initial: dict[str, Any]
+    protocol: Protocol
 
 
-def read(path: str | Path) -> Tables:
-    """Return the checked tables of a configuration file. Raises `InputError` for any mistake in it."""
-    return check(load(path))
+def read(path: str | Path) -> tuple[Tables, list[Any]]:
+    """Return the checked tables of a configuration file, and the steps under [[protocol]] as they stand.
+
+    Raises `InputError` for any mistake in the tables; those in the steps are found by `setup`.
+    """
+    found = load(path)
+    steps = found.pop("protocol", [])
+    return check(found), steps
+
+
+def read_protocol(path: str | Path) -> list[Any]:
+    """Return the steps of a file that holds nothing but [[protocol]], as they stand.
+
+    Raises `InputError` for a file without them, or with something else.
+    """
+    found = load(path)
+    for name in found:
+        if name != "protocol":
+            raise InputError(
+                "table", name, "[[protocol]] and nothing else", "put it into the file of --config"
+            )
+    if not found:
+        raise InputError("protocol", str(path), "a file with [[protocol]] tables", "write one for each step")
+    steps: list[Any] = found["protocol"]
+    return steps
 
 
 def load(path: str | Path) -> dict[str, Any]:
@@ -69,7 +93,7 @@ def check(tables: Mapping[str, Any], known: Mapping[str, Iterable[Definition]] =
     out: Tables = {name: {} for name in known}
     for name, table in tables.items():
         if name not in known:
-            rule = "one of " + ", ".join(f"[{t}]" for t in known)
+            rule = "one of " + ", ".join([*(f"[{t}]" for t in known), "[[protocol]]"])
             raise InputError("table", name, rule, closest(name, known))
         if not isinstance(table, Mapping):
             raise InputError(name, table, "a table", f"write [{name}] on a line of its own")
@@ -87,8 +111,14 @@ def merged(base: Tables, changes: Tables) -> Tables:
     return {name: base.get(name, {}) | changes.get(name, {}) for name in TABLES}
 
 
-def setup(tables: Tables) -> Setup:
-    """Return what checked tables describe. Raises `InputError` for values that contradict each other."""
+def setup(tables: Tables, steps: Any = ()) -> Setup:
+    """Return what checked tables and the steps of a protocol describe.
+
+    The seed of [initial] is also that of the protocol. Raises `InputError` for values that contradict each
+    other, and for any mistake in the steps.
+    """
+    from .dynamics.protocol import Protocol
+    from .dynamics.schedule import Schedule
     from .dynamics.settings import Settings
     from .model.grid import CylinderGrid
     from .model.parameters import Parameters
@@ -100,7 +130,11 @@ def setup(tables: Tables) -> Setup:
     params = Parameters(**tables["parameters"])
     given = tables["initial"]
     initial = {"kind": INITIAL[0].default} | given
-    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial)
+    protocol = Protocol.from_tables(steps, given.get("seed", 0))
+    Schedule(params, grid, protocol)  # refuses regions that are not on the cell
+    if protocol.random and "filaments_per_square" not in given and initial["kind"] != "disordered":
+        given = {key: value for key, value in given.items() if key != "seed"}  # used by the protocol alone
+    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial, protocol)
 
 
 def check_initial(given: Mapping[str, Any]) -> None:

@@ -22,6 +22,9 @@ def run(
     config: Annotated[
         Path | None, typer.Option(help="Configuration file run.toml; options override it.")
     ] = None,
+    protocol: Annotated[
+        Path | None, typer.Option(help="File of [[protocol]] steps, instead of those in the configuration.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="NetCDF file to write.")] = Path("run.nc"),
     force: FORCE = False,
     quiet: QUIET = False,
@@ -36,8 +39,10 @@ def run(
         if text is not None:
             table, name = key.split("__")
             changes[table][name] = definition(table, name).parse(text)
-    tables = configuration.read(config) if config is not None else configuration.check({})
-    ready = configuration.setup(configuration.merged(tables, changes))
+    tables, steps = configuration.read(config) if config is not None else (configuration.check({}), [])
+    if protocol is not None:
+        steps = configuration.read_protocol(protocol)
+    ready = configuration.setup(configuration.merged(tables, changes), steps)
 
     from .. import dataset, report
     from ..dynamics.simulate import simulate
@@ -49,6 +54,7 @@ def run(
             ready.params,
             ready.grid,
             ready.state,
+            protocol=ready.protocol,
             terms=ready.terms,
             progress=progress,
             checkpoint=writer,

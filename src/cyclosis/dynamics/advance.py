@@ -43,8 +43,8 @@ class Progress(NamedTuple):
 class Control(NamedTuple):
     """What steers the steps.
 
-    Tolerances, the fixed step `dt`, the relative rate that counts as steady, and the |P| beyond which a run has
-    diverged.
+    Tolerances, the fixed step `dt`, the relative rate that counts as steady, and the |P| beyond which a run
+    has diverged.
     """
 
     rtol: Any

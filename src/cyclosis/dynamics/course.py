@@ -1,7 +1,7 @@
 """A schedule made ready for computing: the right-hand side of every stage, and what an event does to a run.
 
 All stages are one compiled program, but for those with a ramp, which are a second: parameters that become
-fields at some time are fields from the beginning, and what is on a ramp at some time is followed in every ramp.
+fields at some time are fields from the beginning, and what is ever on a ramp is followed in every ramp.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .protocol import Protocol
 from .schedule import Schedule
 
 SHARP = 1.25
-"""Magnitude |P| beyond which a run has diverged whose states are cut: a sharp edge overshoots as it diffuses."""
+"""Magnitude |P| beyond which a run whose states are cut has diverged: sharp edges overshoot as they diffuse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,12 @@ class Course:
         self.schedule = Schedule(params, grid, protocol)
         self.times = self.schedule.times
         exponents = {stage.first.force_exponent for stage in self.schedule.stages}
-        self._terms, self._dealias, self._precision, self._split = select_terms(terms), dealias, precision, split
+        self._terms, self._dealias, self._precision, self._split = (
+            select_terms(terms),
+            dealias,
+            precision,
+            split,
+        )
         self._cubic = exponents == {2.0}
         self._kept: tuple[int, System] | None = None
 

@@ -1,4 +1,4 @@
-"""A protocol: what is done to a running cell, and when. Values only; `schedule` says what they mean for a cell.
+"""A protocol: what is done to a running cell, and when. Only values; `schedule` says what they mean.
 
     protocol = Protocol(
         change(at=100.0, alpha_p=0.0),
@@ -40,7 +40,9 @@ class Step:
                 object.__setattr__(self, own.name, _checked(items[own.name], getattr(self, own.name)))
         region = getattr(self, "where", None)
         if region is not None and not isinstance(region, Region):
-            raise InputError("where", region, "a region of cyclosis.regions", "make it with regions.disc, say")
+            raise InputError(
+                "where", region, "a region of cyclosis.regions", "make it with regions.disc, say"
+            )
         over = getattr(self, "over", 0.0)
         if 0 < over < SHORTEST_RAMP:
             raise InputError("over", over, f"0 or at least {SHORTEST_RAMP:g}", "leave it out for a jump")
@@ -56,7 +58,7 @@ class Step:
         raise NotImplementedError
 
     def as_table(self) -> dict[str, Any]:
-        """Return the step as a plain table, as it would stand in a file; keys left at nothing are left out."""
+        """Return the step as a plain table, as it would stand in a file, without what is left at nothing."""
         out: dict[str, Any] = {"at": self.at, "action": self.action}
         for item in fields(self):
             value = getattr(self, item.name)
@@ -179,7 +181,9 @@ class WashOut(Step):
         return "wash out"
 
 
-_MADE: dict[str, type[Step]] = {kind.action: kind for kind in (Change, Fragment, Depolymerise, Noise, WashOut)}
+_MADE: dict[str, type[Step]] = {
+    kind.action: kind for kind in (Change, Fragment, Depolymerise, Noise, WashOut)
+}
 
 
 def change(at: float, *, over: float = 0.0, where: Region | None = None, **values: Any) -> Step:
@@ -239,8 +243,8 @@ class Protocol:
     """Steps in the order of their times, and the seed of their random numbers.
 
     A step of seed k (by default 1, 2, ... for the random steps in turn) draws from
-    `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the initial
-    state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no step, for
+    `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the
+    initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no step, for
     more than 200 of them, and for a parameter that is changed while a ramp of it is under way.
     """
 
@@ -252,7 +256,9 @@ class Protocol:
             if not isinstance(step, Step):
                 raise InputError("protocol", step, "made of steps", "make them with cyclosis.change, say")
         if len(steps) > MOST_STEPS:
-            raise InputError("protocol", f"{len(steps)} steps", f"at most {MOST_STEPS} steps", "leave out some")
+            raise InputError(
+                "protocol", f"{len(steps)} steps", f"at most {MOST_STEPS} steps", "leave out some"
+            )
         ordered = sorted(steps, key=lambda step: step.at)
         seeded = _seeded(ordered)
         _refuse_overlaps(seeded)

@@ -100,7 +100,8 @@ class Run:
         self.watch = Watch(cell, how)
         stages = range(len(course.times) + 1) if how.stepper == "rk4" else (0,)
         dt = how.dt or min(default_dt(how, course.system(k)) for k in stages)
-        self.control = Control(*(np.float64(x) for x in (how.rtol, how.atol, dt, NEVER)), course.bound)
+        numbers = (np.float64(x) for x in (how.rtol, how.atol, dt, NEVER))
+        self.control = Control(*numbers)._replace(bound=course.bound)
 
     def begin(self, spectrum: npt.NDArray[Any]) -> Progress:
         """Return the start of a new run at t = 0."""
@@ -209,7 +210,7 @@ class Run:
         self.last_checkpoint = clock.perf_counter()
 
     def _state(self, now: Progress) -> Array:
-        """Return the state that is reached: just after an intervention that very one, else from its spectrum."""
+        """Return the state that is reached, to the bit as an intervention left it."""
         if self.interventions and self.interventions[-1].time == float(now.t):
             return self.interventions[-1].after
         return self.cell.state(np.asarray(now.spectrum))

@@ -36,10 +36,10 @@ class Stage:
 class Schedule:
     """The events of a protocol on a cell.
 
-    `times` are those at which a step or the end of a ramp falls; `stages` the stretches before, between and after
-    them, so that stage k is in force once k events are done. `fields` names the parameters that differ from
-    place to place at some time because of a step, `ramped` those that are ever on a ramp. Raises `InputError`
-    for a region that is not on the cell or has no point of the grid.
+    `times` are those at which a step or the end of a ramp falls; `stages` the stretches before, between and
+    after them, so that stage k is in force once k events are done. `fields` names the parameters that a step
+    makes differ from place to place, `ramped` those that are ever on a ramp. Raises `InputError` for a region
+    that is not on the cell or has no point of the grid.
     """
 
     def __init__(self, params: Parameters, grid: CylinderGrid, protocol: Protocol) -> None:
@@ -126,7 +126,8 @@ class Schedule:
             return {}
         mask = self.masks[id(step)]
         return {
-            name: value if mask is None else np.where(mask, value, current[name]) for name, value in step.values
+            name: value if mask is None else np.where(mask, value, current[name])
+            for name, value in step.values
         }
 
 
@@ -137,7 +138,9 @@ def _mask(step: Step, grid: CylinderGrid) -> Mask | None:
     mask: Mask = region.mask(grid)
     if not mask.any():
         rule = f"a region with at least one point of the grid of {grid.n_theta} x {grid.n_z}"
-        raise InputError(f"where of {step.action} at t = {step.at:g}", str(region), rule, "enlarge it, or refine the grid")
+        raise InputError(
+            f"where of {step.action} at t = {step.at:g}", str(region), rule, "enlarge it, or refine the grid"
+        )
     return mask
 
 

@@ -55,8 +55,8 @@ def simulate(
     * steady_rate: stop once <|dP/dt|²>^½ / <|P|²>^½ falls below it.
 
     `protocol` says what is done to the cell on its way (see `cyclosis.Protocol`); steps land on its times
-    exactly, and what lies beyond `t_end` waits for `resume`. With a `steady_rate` the run stops as steady only
-    once nothing more is to be done.
+    exactly, and what lies beyond `t_end` waits for `resume`. With a `steady_rate` the run stops as steady
+    only once nothing more is to be done.
 
     `terms` selects terms by name and may hold the user's own, `term(t, P, u, params, grid)`. `progress`
     is called a few times a second. `checkpoint` gets the run so far at the start and then every
@@ -127,7 +127,9 @@ def _protocol(given: Protocol | Iterable[Step] | None) -> Protocol:
     if isinstance(given, Protocol):
         return given
     if not isinstance(given, Iterable) or isinstance(given, str):
-        raise InputError("protocol", given, "a Protocol", "write cyclosis.Protocol(cyclosis.change(...), ...)")
+        raise InputError(
+            "protocol", given, "a Protocol", "write cyclosis.Protocol(cyclosis.change(...), ...)"
+        )
     return Protocol(*given)
 
 

@@ -11,7 +11,9 @@ from dataclasses import dataclass, replace
 from .definitions import PARAMETERS, Definition, definition
 
 AT = Definition("at", "t", "time of the step", None, "number", 0.0, 1e9, needed=True)
-OVER = Definition("over", "-", "length of a linear ramp that begins then; 0 is a jump", 0.0, "number", 0.0, 1e9)
+OVER = Definition(
+    "over", "-", "length of a linear ramp that begins then; 0 is a jump", 0.0, "number", 0.0, 1e9
+)
 SHORTEST_RAMP = 1e-6
 """The shortest ramp that is not a jump."""
 SEED = Definition(
@@ -26,7 +28,14 @@ SEED = Definition(
 )
 KEEP = Definition("keep", "-", "factor by which P is multiplied", 0.0, "number", 0.0, 1.0)
 SIZE = Definition(
-    "size", "-", "standard deviation of what is added to either component", None, "number", 0.0, 10.0, needed=True
+    "size",
+    "-",
+    "standard deviation of what is added to either component",
+    None,
+    "number",
+    0.0,
+    10.0,
+    needed=True,
 )
 
 

@@ -1,4 +1,4 @@
-"""Regions of the surface, stated without a grid: boxes, discs, bands, strips, images, and what they combine to.
+"""Regions of the surface, stated without a grid: boxes, discs, bands, strips, images, and combinations.
 
 A region is a value; `mask(grid)` says which points of a grid lie in it. `~a`, `a | b` and `a & b` are the
 complement, the union and the intersection. Angles in radians, lengths in radii; both directions are periodic.
@@ -49,7 +49,9 @@ class Region:
         Raises `InputError` for a region that is not on the cell.
         """
         self.check(grid)
-        return np.broadcast_to(self.inside(grid.theta[:, None], grid.z[None, :], grid.length), grid.shape).copy()
+        return np.broadcast_to(
+            self.inside(grid.theta[:, None], grid.z[None, :], grid.length), grid.shape
+        ).copy()
 
     def check(self, grid: CylinderGrid) -> None:
         """Raise `InputError` if the region is not on the cell."""
@@ -324,7 +326,14 @@ def _read(path: str) -> Mask:
                 return np.asarray(picture, dtype=np.float64) >= 0.5 * 65535
             grey, opaque = picture.convert("LA").split()
             return (np.asarray(grey) >= 128) & (np.asarray(opaque) >= 128)
-    except (OSError, ValueError, SyntaxError, TypeError, AttributeError, pictures.DecompressionBombError) as error:
+    except (
+        OSError,
+        ValueError,
+        SyntaxError,
+        TypeError,
+        AttributeError,
+        pictures.DecompressionBombError,
+    ) as error:
         if isinstance(error, InputError):
             raise
         reason = getattr(error, "strerror", None) or "it is none, or damaged"
@@ -355,7 +364,9 @@ def _plain(shape: str, given: dict[str, Any], depth: int) -> Region:
         _refuse_unknown(shape, given, ("parts",))
         parts = given.get("parts")
         if not isinstance(parts, list | tuple) or not parts:
-            raise InputError("parts", parts, "a list of regions", 'write parts = [{ shape = "disc", ... }, ...]')
+            raise InputError(
+                "parts", parts, "a list of regions", 'write parts = [{ shape = "disc", ... }, ...]'
+            )
         made = tuple(from_table(part, depth + 1) for part in parts)
         return Union(made) if shape == "union" else Intersection(made)
     if shape == "image" and "pixels" in given:

@@ -100,7 +100,9 @@ class System:
 
 
 jax.tree_util.register_dataclass(
-    System, data_fields=["space", "values", "operator", "ramp"], meta_fields=["terms", "cubic", "grid", "split"]
+    System,
+    data_fields=["space", "values", "operator", "ramp"],
+    meta_fields=["terms", "cubic", "grid", "split"],
 )
 
 _LINEAR = {"d_s", "d_r"}
@@ -152,9 +154,9 @@ def system(
 ) -> System:
     """Return the `System` of a cell.
 
-    `traced` overrides parameters with values that JAX traces (numbers only). `cubic` says whether the force is
-    always cubic (default: if it is by its parameters). Raises `InputError` when
-    field-valued parameters do not match the grid.
+    `traced` overrides parameters with values that JAX traces (numbers only). `cubic` says whether the
+    force is always cubic (default: if it is by its parameters). Raises `InputError` when field-valued
+    parameters do not match the grid.
     """
     if params.shape not in (None, grid.shape):
         raise InputError(
