@@ -22,7 +22,7 @@ from .protocol import Protocol
 from .schedule import Schedule
 
 SHARP = 1.25
-"""Magnitude |P| beyond which a run whose states are cut has diverged: sharp edges overshoot as they diffuse."""
+"""Magnitude |P| beyond which a run whose states are cut has diverged: sharp edges overshoot on their way."""
 
 
 @dataclass(frozen=True, eq=False)

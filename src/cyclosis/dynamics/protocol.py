@@ -50,7 +50,9 @@ class Step:
     @property
     def until(self) -> float:
         """The time at which the step has ended."""
-        return self.at + getattr(self, "over", 0.0)
+        # Rounding makes 0.1 + 0.2 the time 0.3 at which a user would begin the next.
+        over = getattr(self, "over", 0.0)
+        return round(self.at + over, 12) if over else self.at
 
     @property
     def what(self) -> str:
@@ -244,8 +246,8 @@ class Protocol:
 
     A step of seed k (by default 1, 2, ... for the random steps in turn) draws from
     `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the
-    initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no step, for
-    more than 200 of them, and for a parameter that is changed while a ramp of it is under way.
+    initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no
+    step, for more than 200 of them, and for a parameter that is changed while a ramp of it is under way.
     """
 
     steps: tuple[Step, ...]
