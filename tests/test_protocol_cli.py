@@ -136,14 +136,16 @@ def test_an_ordered_state_may_have_a_seed_for_its_protocol_alone(call, files):
 BAD = {
     "action": ('at = 1.0\naction = "cut"', "one of change, fragment"),
     "off the cell": (
-        'at = 1.0\naction = "noise"\nsize = 0.1\nwhere = { shape = "disc", theta = 1.0, z = 7.0, radius = 1.0 }',
+        'at = 1.0\naction = "noise"\nsize = 0.1\n'
+        'where = { shape = "disc", theta = 1.0, z = 7.0, radius = 1.0 }',
         "on the cell",
     ),
     "negative time": ('at = -1.0\naction = "wash_out"', "from 0 to 1e"),
     "range": ('at = 1.0\naction = "change"\nalpha_p = -2', "alpha_p in step 1 of the protocol = -2"),
     "unknown parameter": ('at = 1.0\naction = "change"\nalpha_q = 0.1', "did you mean alpha_"),
     "overlap": (
-        'at = 1.0\nover = 2.0\naction = "change"\nmu = 0.1\n[[protocol]]\nat = 2.0\naction = "change"\nmu = 0.2',
+        'at = 1.0\nover = 2.0\naction = "change"\nmu = 0.1\n'
+        '[[protocol]]\nat = 2.0\naction = "change"\nmu = 0.2',
         "the end of the ramp of mu",
     ),
     "image": (

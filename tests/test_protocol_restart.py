@@ -77,7 +77,10 @@ def stream(path, t_end=12.0, checkpoint_seconds=1e9, **settings):
     return path
 
 
-@pytest.fixture(scope="module", params=STEPPERS)
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("etdrk4", "float32")]
+
+
+@pytest.fixture(scope="module", params=["adaptive", "rk4", *SLOW])
 def straight(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     path = stream(folder / "straight.nc", **STEPPERS[request.param])
@@ -115,7 +118,7 @@ def test_ending_at_before_and_after_an_event_and_going_on(straight, tmp_path, t_
 
 
 def test_every_checkpoint_can_be_gone_on_from(straight, tmp_path):
-    """A checkpoint at every chance, those just before an event among them: each is resumed to the same end."""
+    """A checkpoint at every chance, just before events as well: each is resumed to the same end."""
     path, settings = straight
     kept = []
 

@@ -149,6 +149,7 @@ def test_regions_must_lie_on_the_cell():
         regions.disc(1.0, 5.1, 1.0),
         regions.box(0.0, 1.0, 4.0, 6.0),
         regions.band("z", 4.0, 6.0),
+        regions.band("z", -1.0, 2.0),
         ~regions.band("z", 4.0, 6.0),
         regions.strips(2) | regions.disc(1.0, 5.1, 1.0),
     ):

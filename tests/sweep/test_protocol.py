@@ -88,11 +88,10 @@ def test_results_do_not_depend_on_workers(stored, tmp_path):
     assert summary.status == "complete"
     data = cy.open_sweep(tmp_path / "store")
     assert np.array_equal(data["P"].values.reshape(stored.shape), stored)
+    steps = [STEPS[0], STEPS[1] | {"alpha_p": 0.5}]
+    other = cy.Sweep.from_tables(changed(ensemble=TABLES["ensemble"] | {"block": 2}, protocol=steps))
     with pytest.raises(cy.InputError, match=r"protocol.2 is \{.*0.25.*\} there and \{.*0.5.*\} here"):
-        other = changed(
-            ensemble=TABLES["ensemble"] | {"block": 2}, protocol=[STEPS[0], STEPS[1] | {"alpha_p": 0.5}]
-        )
-        cy.run_sweep(cy.Sweep.from_tables(other), tmp_path / "store", workers=1)
+        cy.run_sweep(other, tmp_path / "store", workers=1)
 
 
 def test_quantities_are_of_the_parameters_in_force_at_the_end():

@@ -16,6 +16,9 @@ OVER = Definition(
 )
 SHORTEST_RAMP = 1e-6
 """The shortest ramp that is not a jump."""
+FILAMENTS = replace(
+    definition("initial", "filaments_per_square"), meaning="filaments per grid square, noise variance 1/(2N)"
+)
 SEED = Definition(
     "seed",
     "-",
@@ -56,7 +59,7 @@ ACTIONS = {
     ),
     "fragment": Action(
         "set P to fresh disorder",
-        (definition("initial", "filaments_per_square"), definition("initial", "noise_grid"), SEED),
+        (FILAMENTS, definition("initial", "noise_grid"), SEED),
         True,
     ),
     "depolymerise": Action("multiply P by a factor", (KEEP,), True),

@@ -401,7 +401,7 @@ def _refuse_nothing(name: str, start: float, stop: float) -> None:
 
 
 def _on_the_cell(name: str, z: float, grid: CylinderGrid) -> None:
-    if z > grid.length * (1 + ROUNDING):
+    if not 0 <= z <= grid.length * (1 + ROUNDING):
         remedy = "move the region, or lengthen the cell"
         raise InputError(name, z, f"on the cell, from 0 to its length {grid.length:g}", remedy)
 
