@@ -13,6 +13,7 @@ from .model.errors import InputError, closest
 
 if TYPE_CHECKING:
     from .dynamics.protocol import Protocol
+    from .dynamics.schedule import Schedule
     from .dynamics.settings import Settings
     from .model.grid import Array, CylinderGrid
     from .model.parameters import Parameters
@@ -40,7 +41,12 @@ class Setup:
     settings: Settings
     terms: tuple[str, ...] | None
     initial: dict[str, Any]
-    protocol: Protocol
+    schedule: Schedule
+
+    @property
+    def protocol(self) -> Protocol:
+        """What is done on the way."""
+        return self.schedule.protocol
 
 
 def read(path: str | Path) -> tuple[Tables, list[Any]]:
@@ -131,10 +137,10 @@ def setup(tables: Tables, steps: Any = ()) -> Setup:
     given = tables["initial"]
     initial = {"kind": INITIAL[0].default} | given
     protocol = Protocol.from_tables(steps, given.get("seed", 0))
-    Schedule(params, grid, protocol)  # refuses regions that are not on the cell
+    schedule = Schedule(params, grid, protocol)
     if protocol.random and "filaments_per_square" not in given and initial["kind"] != "disordered":
         given = {key: value for key, value in given.items() if key != "seed"}  # used by the protocol alone
-    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial, protocol)
+    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial, schedule)
 
 
 def check_initial(given: Mapping[str, Any]) -> None:

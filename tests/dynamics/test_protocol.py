@@ -300,6 +300,13 @@ def test_a_protocol_as_tables_and_back():
     assert len(protocol) == len(repr(protocol).splitlines()) - 1
 
 
+def intricate(at):
+    parts = [cy.regions.disc(0.1 * k, 0.01 * k, 0.1) for k in range(50)]
+    return cy.depolymerise(
+        at=at, where=cy.regions.from_table({"shape": "union", "parts": [r.as_table() for r in parts]})
+    )
+
+
 BAD = {
     "time": (lambda: cy.change(at=-1.0, alpha_p=0.0), "at = -1.0 .* from 0 to 1e"),
     "no time": (lambda: cy.change(at=None, alpha_p=0.0), "there is no default"),
@@ -316,6 +323,7 @@ BAD = {
     "seed": (lambda: cy.noise(at=1.0, size=0.1, seed=-1), "a whole number from 1"),
     "no step": (lambda: cy.Protocol("change"), "made of steps"),
     "too many": (lambda: cy.Protocol(*[cy.wash_out(at=1.0)] * (MOST_STEPS + 1)), "at most 200 steps"),
+    "too long": (lambda: cy.Protocol(*[intricate(at=1.0)] * 20), "at most 50000 characters"),
     "protocol seed": (lambda: cy.Protocol(seed=-1), "a whole number from 0"),
     "no protocol": (lambda: final("change"), "a Protocol"),
     "overlap": (
@@ -329,6 +337,12 @@ BAD = {
     "off the cell": (
         lambda: final([cy.noise(at=1.0, size=0.1, where=cy.regions.disc(1.0, 9.0, 1.0))]),
         "on the cell",
+    ),
+    "field of another grid": (
+        lambda: final(
+            [cy.change(at=1.0, where=DISC, alpha_p=0.1)], params=cy.Parameters(alpha_p=np.ones((8, 8)))
+        ),
+        "that of the grid",
     ),
     "no point": (
         lambda: final([cy.noise(at=1.0, size=0.1, where=cy.regions.disc(0.2, 0.2, 0.001))]),

@@ -49,7 +49,7 @@ def run(
     from ..progress import RunProgress
 
     writer = dataset.RunWriter(out, force)
-    with RunProgress(ready.params, ready.grid, hidden=quiet) as progress:
+    with RunProgress(ready.schedule.params_at, ready.grid, hidden=quiet) as progress:
         result = simulate(
             ready.params,
             ready.grid,
@@ -80,7 +80,7 @@ def resume(
     from ..progress import RunProgress
 
     standing = dataset.load(file, fields=False)
-    with RunProgress(standing.params, standing.grid, hidden=quiet) as progress:
+    with RunProgress(standing.params_at, standing.grid, hidden=quiet) as progress:
         result = dataset.resume_file(file, t_end, progress=progress, checkpoint_seconds=checkpoint_seconds)
     print(report.summary(result))
     _end(result, file)

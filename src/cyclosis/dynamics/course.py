@@ -27,7 +27,7 @@ SHARP = 1.25
 
 @dataclass(frozen=True, eq=False)
 class Intervention:
-    """What was done to a state: when, and the state (2, n_theta, n_z) just before and just after."""
+    """What was done to a state at a time: the state (2, n_theta, n_z) just before and after all of it."""
 
     time: float
     before: Array

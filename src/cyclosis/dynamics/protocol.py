@@ -11,6 +11,7 @@ Times are dimensionless (R/U). Steps at the same time act in the order in which 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
@@ -21,6 +22,8 @@ from ..model.interventions import ACTIONS, AT, SHORTEST_RAMP
 from ..model.regions import Region, from_table
 
 MOST_STEPS = 200
+LONGEST = 50_000
+"""Characters that a protocol may take in a file: all that was asked for stands in one attribute of 64 kB."""
 _BY_NAME = {item.name: item for item in PARAMETERS}
 
 
@@ -247,7 +250,8 @@ class Protocol:
     A step of seed k (by default 1, 2, ... for the random steps in turn) draws from
     `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the
     initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no
-    step, for more than 200 of them, and for a parameter that is changed while a ramp of it is under way.
+    step, for more than 200 of them or more than a file can hold, and for a parameter that is changed while a
+    ramp of it is under way.
     """
 
     steps: tuple[Step, ...]
@@ -265,6 +269,12 @@ class Protocol:
         seeded = _seeded(ordered)
         _refuse_overlaps(seeded)
         object.__setattr__(self, "steps", seeded)
+        size = len(json.dumps(self.as_tables()))
+        if size > LONGEST:
+            rule = f"at most {LONGEST} characters long as it is stored"
+            raise InputError(
+                "protocol", f"{size} characters", rule, "use fewer or simpler images and regions"
+            )
         object.__setattr__(self, "seed", whole("seed", seed, 0, 2**63 - 1, "the default is 0"))
 
     @classmethod

@@ -38,11 +38,12 @@ class Schedule:
 
     `times` are those at which a step or the end of a ramp falls; `stages` the stretches before, between and
     after them, so that stage k is in force once k events are done. `fields` names the parameters that a step
-    makes differ from place to place, `ramped` those that are ever on a ramp. Raises `InputError` for a region
-    that is not on the cell or has no point of the grid.
+    makes differ from place to place, `ramped` those that are ever on a ramp. Raises `InputError` for
+    fields that do not match the grid, and for a region that is not on the cell or has no point of the grid.
     """
 
     def __init__(self, params: Parameters, grid: CylinderGrid, protocol: Protocol) -> None:
+        params.require_shape(grid.shape)
         self.params, self.grid, self.protocol = params, grid, protocol
         self.masks = {id(step): _mask(step, grid) for step in protocol}
         self.times = tuple(sorted({time for step in protocol for time in (step.at, step.until)}))

@@ -69,7 +69,7 @@ class Trajectory:
     `restart` is all that is needed to go on. `provenance` says where the initial state came from.
     `protocol` is what was to be done on the way, `params` the parameters before any of it and
     `params_at(t)` those in force at a time. A frame or record at the time of a step is after it; the states
-    just before and just after every step that acted on the state are the `interventions`. Everything is
+    just before and just after, wherever steps acted on the state, are the `interventions`. Everything is
     dimensionless.
     """
 

@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from . import filaments, hydrodynamics, spectral
-from .errors import InputError
 from .filaments import Term, TermLike
 from .grid import Array, CylinderGrid, interpolate
 from .hydrodynamics import FlowOperator
@@ -158,13 +157,7 @@ def system(
     force is always cubic (default: if it is by its parameters). Raises `InputError` when field-valued
     parameters do not match the grid.
     """
-    if params.shape not in (None, grid.shape):
-        raise InputError(
-            "shape of the parameter fields",
-            params.shape,
-            f"that of the grid, {grid.shape}",
-            "give the fields on the grid that is used",
-        )
+    params.require_shape(grid.shape)
     chosen = filaments.select_terms(terms)
     space = spectral.space(grid, dealias, precision)
     given = dict(params.items()) | (traced or {})
