@@ -11,6 +11,7 @@ from pathlib import Path
 from cyclosis.analysis.diagnostics import QUANTITIES
 from cyclosis.model.definitions import TABLES, Definition
 from cyclosis.model.filaments import TERMS
+from cyclosis.model.interventions import ACTIONS, AT, SHAPES
 from cyclosis.sweep import definitions as sweeps
 from cyclosis.sweep.variables import FIELD, STANDARD
 
@@ -30,9 +31,38 @@ def settings() -> str:
             option = "--" + item.name.replace("_", "-")
             meant = f"{_cell(item.symbol)} | {_cell(item.meaning)}"
             out += f"| `{item.name}` | `{option}` | {meant} | {allowed} | {_default(item)} |\n"
-    out += _sweep()
+    out += _protocols() + _sweep()
     out += "\n## Terms\n\n| name | in dP/dt |\n|---|---|\n"
     return out + "".join(f"| `{term.name}` | {_cell(term.formula)} |\n" for term in TERMS)
+
+
+def _protocols() -> str:
+    """Return the keys of the steps of a protocol and of the regions they may be limited to."""
+    out = "\n## Protocols\n\nThe keys of a step of a [protocol](protocols.md), a table [[protocol]], "
+    out += "besides `action`. `change` takes further\nthe names and values of [parameters].\n\n"
+    out += "| action | does | key | meaning | allowed | default |\n|---|---|---|---|---|---|\n"
+    out += f"| any | | `{AT.name}` | {AT.meaning} | {AT.rule} | - |\n"
+    for name, action in ACTIONS.items():
+        head = f"| `{name}` | {action.meaning} |"
+        if action.regional:
+            out += f"{head} `where` | a region, below | a table | everywhere |\n"
+            head = "| | |"
+        for item in action.keys:
+            if item not in TABLES["parameters"]:
+                default = _default(item)
+                out += f"{head} `{item.name}` | {_cell(item.meaning)} | {item.rule} | {default} |\n"
+                head = "| | |"
+    out += "\nThe keys of a region, the table `where`, besides `shape`. "
+    out += "All take `invert = true` for all but it.\n\n"
+    out += "| shape | is | key | meaning | allowed | default |\n|---|---|---|---|---|---|\n"
+    for name, (meaning, items) in SHAPES.items():
+        head = f"| `{name}` | {meaning} |"
+        for item in items:
+            out += f"{head} `{item.name}` | {_cell(item.meaning)} | {item.rule} | {_default(item)} |\n"
+            head = "| | |"
+        if not items:
+            out += f"{head} `parts` | the regions | a list of tables | - |\n"
+    return out
 
 
 def _sweep() -> str:

@@ -19,6 +19,7 @@ ORDER = [
     "ensemble",
     "sweep",
     "figures",
+    "experiments",
     "traced",
     "report",
     "progress",

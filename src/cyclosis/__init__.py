@@ -33,12 +33,19 @@ if TYPE_CHECKING:
     from .dataset import open_dataset as open_dataset
     from .dataset import resume_file as resume_file
     from .dataset import write as write
+    from .dynamics.protocol import Protocol as Protocol
+    from .dynamics.protocol import change as change
+    from .dynamics.protocol import depolymerise as depolymerise
+    from .dynamics.protocol import fragment as fragment
+    from .dynamics.protocol import noise as noise
+    from .dynamics.protocol import wash_out as wash_out
     from .dynamics.run import Snapshot as Snapshot
     from .dynamics.simulate import resume as resume
     from .dynamics.simulate import simulate as simulate
     from .dynamics.trajectory import Status as Status
     from .dynamics.trajectory import Trajectory as Trajectory
     from .model import initial as initial
+    from .model import regions as regions
     from .model.errors import InputError as InputError
     from .model.filaments import TERMS as TERMS
     from .model.filaments import Term as Term
@@ -56,6 +63,7 @@ _HOME = {
     "CylinderGrid": "model.grid",
     "InputError": "model.errors",
     "Parameters": "model.parameters",
+    "Protocol": "dynamics.protocol",
     "REGIMES": "analysis.regimes",
     "Regime": "analysis.regimes",
     "Scales": "model.scales",
@@ -66,10 +74,14 @@ _HOME = {
     "TERMS": "model.filaments",
     "Term": "model.filaments",
     "Trajectory": "dynamics.trajectory",
+    "change": "dynamics.protocol",
+    "depolymerise": "dynamics.protocol",
     "diagnose": "analysis.diagnostics",
     "flow": "model.system",
+    "fragment": "dynamics.protocol",
     "interpolate": "model.grid",
     "load": "dataset",
+    "noise": "dynamics.protocol",
     "open_dataset": "dataset",
     "open_sweep": "sweep.collect",
     "rate_of_change": "model.system",
@@ -79,12 +91,14 @@ _HOME = {
     "run_sweep": "sweep.execute",
     "simulate": "dynamics.simulate",
     "spectra": "analysis.diagnostics",
+    "wash_out": "dynamics.protocol",
     "write": "dataset",
 }
 _MODULES = {
     "diagnostics": "analysis.diagnostics",
     "ensemble": "ensemble",
     "initial": "model.initial",
+    "regions": "model.regions",
     "stability": "stability",
     "traced": "traced",
     "zones": "analysis.zones",

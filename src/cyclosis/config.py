@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,9 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .model.definitions import INITIAL, TABLES, Definition
-from .model.errors import InputError
+from .model.errors import InputError, closest
 
 if TYPE_CHECKING:
+    from .dynamics.protocol import Protocol
+    from .dynamics.schedule import Schedule
     from .dynamics.settings import Settings
     from .model.grid import Array, CylinderGrid
     from .model.parameters import Parameters
@@ -40,11 +41,39 @@ class Setup:
     settings: Settings
     terms: tuple[str, ...] | None
     initial: dict[str, Any]
+    schedule: Schedule
+
+    @property
+    def protocol(self) -> Protocol:
+        """What is done on the way."""
+        return self.schedule.protocol
 
 
-def read(path: str | Path) -> Tables:
-    """Return the checked tables of a configuration file. Raises `InputError` for any mistake in it."""
-    return check(load(path))
+def read(path: str | Path) -> tuple[Tables, list[Any]]:
+    """Return the checked tables of a configuration file, and the steps under [[protocol]] as they stand.
+
+    Raises `InputError` for any mistake in the tables; those in the steps are found by `setup`.
+    """
+    found = load(path)
+    steps = found.pop("protocol", [])
+    return check(found), steps
+
+
+def read_protocol(path: str | Path) -> list[Any]:
+    """Return the steps of a file that holds nothing but [[protocol]], as they stand.
+
+    Raises `InputError` for a file without them, or with something else.
+    """
+    found = load(path)
+    for name in found:
+        if name != "protocol":
+            raise InputError(
+                "table", name, "[[protocol]] and nothing else", "put it into the file of --config"
+            )
+    if not found:
+        raise InputError("protocol", str(path), "a file with [[protocol]] tables", "write one for each step")
+    steps: list[Any] = found["protocol"]
+    return steps
 
 
 def load(path: str | Path) -> dict[str, Any]:
@@ -70,7 +99,7 @@ def check(tables: Mapping[str, Any], known: Mapping[str, Iterable[Definition]] =
     out: Tables = {name: {} for name in known}
     for name, table in tables.items():
         if name not in known:
-            rule = "one of " + ", ".join(f"[{t}]" for t in known)
+            rule = "one of " + ", ".join([*(f"[{t}]" for t in known), "[[protocol]]"])
             raise InputError("table", name, rule, closest(name, known))
         if not isinstance(table, Mapping):
             raise InputError(name, table, "a table", f"write [{name}] on a line of its own")
@@ -88,8 +117,14 @@ def merged(base: Tables, changes: Tables) -> Tables:
     return {name: base.get(name, {}) | changes.get(name, {}) for name in TABLES}
 
 
-def setup(tables: Tables) -> Setup:
-    """Return what checked tables describe. Raises `InputError` for values that contradict each other."""
+def setup(tables: Tables, steps: Any = ()) -> Setup:
+    """Return what checked tables and the steps of a protocol describe.
+
+    The seed of [initial] is also that of the protocol. Raises `InputError` for values that contradict each
+    other, and for any mistake in the steps.
+    """
+    from .dynamics.protocol import Protocol
+    from .dynamics.schedule import Schedule
     from .dynamics.settings import Settings
     from .model.grid import CylinderGrid
     from .model.parameters import Parameters
@@ -101,7 +136,11 @@ def setup(tables: Tables) -> Setup:
     params = Parameters(**tables["parameters"])
     given = tables["initial"]
     initial = {"kind": INITIAL[0].default} | given
-    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial)
+    protocol = Protocol.from_tables(steps, given.get("seed", 0))
+    schedule = Schedule(params, grid, protocol)
+    if protocol.random and "filaments_per_square" not in given and initial["kind"] != "disordered":
+        given = {key: value for key, value in given.items() if key != "seed"}  # used by the protocol alone
+    return Setup(params, grid, initial_state(given, grid), Settings(**run), terms, initial, schedule)
 
 
 def check_initial(given: Mapping[str, Any]) -> None:
@@ -160,9 +199,3 @@ def _checked(item: Definition, value: Any) -> Any:
     if item.field and isinstance(value, list):
         return value  # `Parameters` checks fields
     return item.check(value)
-
-
-def closest(name: str, known: Iterable[str]) -> str:
-    """Return the remedy for a misspelt name."""
-    match = difflib.get_close_matches(str(name), list(known), 1)
-    return f"did you mean {match[0]}?".rstrip("?") if match else "check the spelling"

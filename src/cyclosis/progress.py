@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import asdict
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -52,14 +53,19 @@ class _Shown:
 
 
 class RunProgress(_Shown):
-    """Gives `simulate` its progress callback: time reached, regime so far, time left."""
+    """Gives `simulate` its progress callback: time reached, regime so far, time left.
 
-    def __init__(self, params: Parameters, grid: CylinderGrid, hidden: bool = False) -> None:
+    `params_at` returns the parameters in force at a time.
+    """
+
+    def __init__(
+        self, params_at: Callable[[float], Parameters], grid: CylinderGrid, hidden: bool = False
+    ) -> None:
         time, name = TextColumn("t = {task.fields[t]}"), TextColumn("{task.fields[regime]}")
         super().__init__(
             hidden, time, BarColumn(), name, TextColumn("left"), TimeRemainingColumn(compact=True)
         )
-        self.params, self.grid = params, grid
+        self.params_at, self.grid = params_at, grid
         self.task = self.bar.add_task("run", total=1.0, t="0", regime="compiling")
 
     def __call__(self, now: Snapshot) -> None:
@@ -67,7 +73,7 @@ class RunProgress(_Shown):
         if self.shown:
             from .analysis.regimes import regime
 
-            name = regime(self.params, self.grid, now.state).name
+            name = regime(self.params_at(now.t), self.grid, now.state).name
             self.bar.update(self.task, completed=now.t / now.t_end, t=f"{now.t:.1f}", regime=name)
 
 

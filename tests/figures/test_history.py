@@ -127,3 +127,14 @@ def test_symbols_are_set_as_mathematics():
     assert style.mathtext("max |u|") == r"$\max\,|\mathbf{u}|$"
     for item in cy.diagnostics.QUANTITIES:
         assert "½" not in style.mathtext(item.symbol)
+
+
+def test_the_theory_is_that_of_the_parameters_at_the_end():
+    step = {"at": 4.0, "action": "change", "alpha_p": 0.01, "alpha_u": 0.05}
+    P, u = straight(0.9 * np.sin(GRID.theta)), straight(0.5 * np.sin(GRID.theta))
+    found = [
+        theory.expected(dataset(P, u, CONFIGURATION | {"protocol": steps}))
+        for steps in ([step], [step, {"at": 6.0, "action": "wash_out"}])
+    ]
+    assert found[0] == "no theory for these parameters"
+    assert np.array_equal(found[1].P, theory.expected(dataset(P, u)).P)

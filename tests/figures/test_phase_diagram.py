@@ -230,6 +230,7 @@ def test_closed_forms_over_other_axes():
         {"parameters": PARAMETERS | {"kappa": -1.0}},
         {"parameters": PARAMETERS | {"kappa": [[0.5] * 8] * 8}},
         {"parameters": PARAMETERS | {"wrong": 1.0}},
+        {"parameters": PARAMETERS, "protocol": [{"at": 1.0, "action": "wash_out"}]},
         [],
     ],
 )

@@ -59,7 +59,7 @@ def tried(call, *arguments, **options):
             return call(*arguments, **options)
         except cy.InputError as error:
             sentence = str(error)
-            assert sentence.count(". ") == 0
+            assert sentence.replace("...", "").count(". ") == 0
             assert sentence.endswith(".")
             assert "nan" not in sentence.split()
             return None
@@ -80,11 +80,12 @@ def assert_stripes(state, count):
     """A steady state P e_z of so many stripes, with finite numbers only."""
     assert state.theta.size == state.P.size == state.u.size
     assert cy.zones.zone_angles(state.P).size == count
-    assert 1e-5 < np.abs(state.P).max() < 1 + 1e-9
     assert np.all(np.isfinite(state.u))
     found = left(state.params, np.stack([np.zeros_like(state.P), state.P]))
     assert found < UNRESOLVED * (1 + 1e-6)
     assert found == pytest.approx(state.residual, rel=1e-3, abs=1e-9)
+    # An interpolant overshoots no farther than it is resolved.
+    assert 1e-5 < np.abs(state.P).max() < 1 + 1e-9 + found
 
 
 ANY = settings(

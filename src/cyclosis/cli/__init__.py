@@ -11,6 +11,7 @@ import typer
 from ..model.errors import InputError
 from ..version import __version__
 from . import runs
+from .experiments import experiment
 from .figures import figures
 from .options import commands
 from .sweeps import sweeps
@@ -23,6 +24,7 @@ runs.register(app)
 app.add_typer(figures, name="figure")
 app.add_typer(sweeps, name="sweep")
 app.add_typer(theory, name="stability")
+app.command()(experiment)
 
 
 def _version(show: bool) -> None:

@@ -22,6 +22,9 @@ def run(
     config: Annotated[
         Path | None, typer.Option(help="Configuration file run.toml; options override it.")
     ] = None,
+    protocol: Annotated[
+        Path | None, typer.Option(help="File of [[protocol]] steps, instead of those in the configuration.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="NetCDF file to write.")] = Path("run.nc"),
     force: FORCE = False,
     quiet: QUIET = False,
@@ -31,19 +34,22 @@ def run(
     """Run one cell and save it to a NetCDF file."""
     from .. import config as configuration
 
-    tables = configuration.read(config) if config is not None else configuration.check({})
-    ready = configuration.setup(configuration.merged(tables, changes(options)))
+    tables, steps = configuration.read(config) if config is not None else (configuration.check({}), [])
+    if protocol is not None:
+        steps = configuration.read_protocol(protocol)
+    ready = configuration.setup(configuration.merged(tables, changes(options)), steps)
 
     from .. import dataset, report
     from ..dynamics.simulate import simulate
     from ..progress import RunProgress
 
     writer = dataset.RunWriter(out, force)
-    with RunProgress(ready.params, ready.grid, hidden=quiet) as progress:
+    with RunProgress(ready.schedule.params_at, ready.grid, hidden=quiet) as progress:
         result = simulate(
             ready.params,
             ready.grid,
             ready.state,
+            protocol=ready.protocol,
             terms=ready.terms,
             progress=progress,
             checkpoint=writer,
@@ -69,7 +75,7 @@ def resume(
     from ..progress import RunProgress
 
     standing = dataset.load(file, fields=False)
-    with RunProgress(standing.params, standing.grid, hidden=quiet) as progress:
+    with RunProgress(standing.params_at, standing.grid, hidden=quiet) as progress:
         result = dataset.resume_file(file, t_end, progress=progress, checkpoint_seconds=checkpoint_seconds)
     print(report.summary(result))
     _end(result, file)

@@ -36,11 +36,18 @@ COORDINATES = {
     "component": "vector component",
     "theta": "angle around the axis in radians",
     "z": "position along the axis in radii",
+    "intervention_time": "time at which the protocol acted on the state, in units of R/U",
     "zone": "indifferent zones, by increasing angle",
     "term": "terms of the filament equation",
 }
-GROWING = ("time", "record_time")
+GROWING = ("time", "record_time", "intervention_time")
 """Dimensions along which the parts of a run are joined."""
+
+INTERVENTIONS = {
+    "P_before": "order vector just before the protocol acted on it",
+    "P_after": "order vector just after the protocol acted on it",
+}
+INTERVENTION_DIMS = ("intervention_time", "component", "theta", "z")
 
 FIELD_DIMS = ("time", "component", "theta", "z")
 
@@ -74,8 +81,10 @@ class Contents:
         return dtypes(self.attributes["precision"])[0]
 
 
-def of_trajectory(run: Trajectory, first_frame: int = 0, first_record: int = 0) -> Contents:
-    """Return the contents of a trajectory from one frame and one record on."""
+def of_trajectory(
+    run: Trajectory, first_frame: int = 0, first_record: int = 0, first_intervention: int = 0
+) -> Contents:
+    """Return the contents of a trajectory from one frame, one record and one intervention on."""
     coordinates: dict[str, npt.NDArray[Any]] = {
         "time": run.times[first_frame:],
         "component": np.array(["theta", "z"], dtype=object),
@@ -93,6 +102,15 @@ def of_trajectory(run: Trajectory, first_frame: int = 0, first_record: int = 0) 
             values = run.records[item.name][first_record:]
             dims = ("record_time" if apart else "time", *item.dims)
             variables[item.name] = Variable(dims, values, described(item.meaning) | {"symbol": item.symbol})
+    if run.protocol:
+        done = run.interventions[first_intervention:]
+        coordinates["intervention_time"] = np.array([item.time for item in done])
+        for name, states in (
+            ("P_before", [item.before for item in done]),
+            ("P_after", [item.after for item in done]),
+        ):
+            stacked = np.array(states).reshape(-1, 2, *run.grid.shape)
+            variables[name] = Variable(INTERVENTION_DIMS, stacked, described(INTERVENTIONS[name]))
     for name, value in run.params.items():
         if isinstance(value, np.ndarray):
             variables[name] = Variable(("theta", "z"), value, described(f"parameter {name}"))
@@ -114,7 +132,7 @@ def _real(value: npt.NDArray[Any]) -> npt.NDArray[Any]:
 def _frame(run: Trajectory, index: int) -> dict[str, Any]:
     P = run.frames[index]
     state = P.astype(np.float64)
-    u = flow(run.params, run.grid, state, run.settings.dealias).astype(P.dtype)
+    u = flow(run.params_at(float(run.times[index])), run.grid, state, run.settings.dealias).astype(P.dtype)
     angles, widths, count = listed_zones(state)
     return {"P": P, "u": u, "zone_count": count, "zone_angle": angles, "stripe_width": widths}
 

@@ -12,7 +12,9 @@ import h5py
 import numpy as np
 
 from ..dynamics.advance import Progress
+from ..dynamics.course import Intervention
 from ..dynamics.frames import Frames
+from ..dynamics.protocol import Protocol
 from ..dynamics.restart import Restart
 from ..dynamics.settings import Settings
 from ..dynamics.trajectory import Effort, Status, Trajectory
@@ -27,6 +29,7 @@ from .contents import (
     FIELD_DIMS,
     FIELDS,
     GROWING,
+    INTERVENTIONS,
     ZONE_VARIABLES,
     Contents,
     described,
@@ -144,13 +147,19 @@ def _trajectory(
         for frame in contents.frames:
             frames.append(frame["P"])
     wall = float(contents.attributes["wall_time_seconds"])
-    restart = Restart(_progress(contents), outcome["sign_time"], outcome["sign"], wall)
-    records = {n: v.values for n, v in contents.variables.items() if v.dims[0] in GROWING}
+    done = outcome.get("protocol_events_done", 0)
+    restart = Restart(_progress(contents), outcome["sign_time"], outcome["sign"], wall, done)
+    grown = {n: v.values for n, v in contents.variables.items() if v.dims[0] in GROWING}
+    records = {n: v for n, v in grown.items() if n not in INTERVENTIONS}
     times = contents.coordinates["time"]
     origin = {"initial_sha256": contents.attributes["initial_sha256"]}
     if "initial" in asked:
         origin["initial"] = asked["initial"]
-    spectrum = np.fft.ifft2(restart.progress["spectrum"].astype(np.complex128))
+    interventions = _interventions(contents)
+    final = np.fft.ifft2(restart.progress["spectrum"].astype(np.complex128))
+    final_state = np.stack([final.real, final.imag])
+    if interventions and interventions[-1].time == restart.t:
+        final_state = interventions[-1].after
     return Trajectory(
         params=Parameters(**values),
         grid=grid,
@@ -164,11 +173,19 @@ def _trajectory(
         status_time=outcome["status_time"],
         message=outcome["message"],
         t_final=outcome["t_final"],
-        final_state=np.stack([spectrum.real, spectrum.imag]),
+        final_state=final_state,
         restart=restart,
         effort=Effort(outcome["evaluations"], outcome["accepted"], outcome["rejected"], wall),
         provenance=origin,
+        protocol=Protocol.from_tables(asked.get("protocol", []), asked.get("protocol_seed", 0)),
+        interventions=interventions,
     )
+
+
+def _interventions(contents: Contents) -> tuple[Intervention, ...]:
+    times = contents.coordinates.get("intervention_time", ())
+    before, after = (contents.variables[n].values if len(times) else () for n in INTERVENTIONS)
+    return tuple(Intervention(float(t), a, b) for t, a, b in zip(times, before, after, strict=True))
 
 
 def _progress(contents: Contents) -> dict[str, Any]:

@@ -22,19 +22,24 @@ PASSING = ("created", "wall_time_seconds", "digest")
 
 def configuration(run: Trajectory) -> dict[str, Any]:
     """Return what was asked for, as the tables of a configuration file (fields are named, not listed)."""
-    asked = {
+    asked: dict[str, Any] = {
         "parameters": {n: "field" if isinstance(v, np.ndarray) else v for n, v in run.params.items()},
         "grid": {"n_theta": run.grid.n_theta, "n_z": run.grid.n_z, "length": run.grid.length},
         "run": {k: v for k, v in run.settings.as_dict().items() if v is not None}
         | {"terms": [term.name for term in run.terms]},
     }
     given = run.provenance.get("initial")
-    return asked | ({"initial": given} if given is not None else {})
+    if given is not None:
+        asked["initial"] = given
+    if run.protocol:
+        asked |= {"protocol": run.protocol.as_tables(), "protocol_seed": run.protocol.seed}
+    return asked
 
 
 def outcome(run: Trajectory) -> dict[str, Any]:
     """Return how the run ended."""
-    return {
+    done = {"protocol_events_done": run.restart.done} if run.protocol else {}
+    return done | {
         "status": str(run.status),
         "status_time": run.status_time,
         "message": run.message,

@@ -33,7 +33,7 @@ class RunWriter:
 
     def __init__(self, path: str | os.PathLike[str], force: bool = False, continues: bool = False) -> None:
         self.target, self.folder = Path(path), folder_of(Path(path))
-        self.number, self.frames, self.records = 0, 0, 0
+        self.number, self.frames, self.records, self.interventions = 0, 0, 0, 0
         if not continues:
             check_writable(self.target, force)
         standing = parts(self.target)
@@ -58,7 +58,7 @@ class RunWriter:
 
     def __call__(self, run: Trajectory) -> None:
         """Write what is new since the last part, and release its frames."""
-        contents = of_trajectory(run, self.frames, self.records)
+        contents = of_trajectory(run, self.frames, self.records, self.interventions)
         contents.attributes |= self.marks
         try:
             self.folder.mkdir(exist_ok=True)
@@ -66,8 +66,13 @@ class RunWriter:
             raise unwritable(self.folder, error) from error
         write_contents(contents, self.folder / f"{self.number:06d}.nc")
         self.number += 1
-        self.frames, self.records = len(run.frames), run.record_times.size
+        self.stands(run)
         run.frames.release()
+
+    def stands(self, run: Trajectory) -> None:
+        """Take note that all of a run is in the file."""
+        self.frames, self.records = len(run.frames), run.record_times.size
+        self.interventions = len(run.interventions)
 
     def finish(self, run: Trajectory) -> Path:
         """Write the last part, join all into the file, and return its path."""
@@ -100,7 +105,7 @@ def resume_file(
     """
     run = load(path, terms, fields=False)
     writer = RunWriter(path, continues=True)
-    writer.frames, writer.records = len(run.frames), run.record_times.size
+    writer.stands(run)
     if writer.number and run.status is not Status.INTERRUPTED and (t_end or 0.0) <= run.t_final:
         writer.join()  # the run had ended, and was cut off before its parts were joined
         return run

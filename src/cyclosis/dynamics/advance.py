@@ -41,12 +41,17 @@ class Progress(NamedTuple):
 
 
 class Control(NamedTuple):
-    """What steers the steps: tolerances, fixed step `dt`, and the relative rate that counts as steady."""
+    """What steers the steps.
+
+    Tolerances, the fixed step `dt`, the relative rate that counts as steady, and the |P| beyond which a run
+    has diverged.
+    """
 
     rtol: Any
     atol: Any
     dt: Any
     steady_rate: Any
+    bound: Any = DIVERGED
 
 
 @jax.jit
@@ -112,7 +117,7 @@ def one_step(
     """Try a step of length `now.h` with its coefficients, and choose the rung of the next."""
     result = step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
     rate = _relative_rate(linear, result.spectrum, result.nonlinear)
-    bounded = (result.peak <= DIVERGED**2) & jnp.isfinite(rate)  # False for NaN as well
+    bounded = (result.peak <= control.bound**2) & jnp.isfinite(rate)  # False for NaN as well
     if adaptive:
         error = _rms(result.error) / _tolerance(control, now, _rms(result.spectrum))
         good = bounded & (error <= 1.0)

@@ -18,13 +18,14 @@ class Restart:
 
     `progress` holds the fields of `Progress` (spectral state, its nonlinear part, step control and
     counters) by name; `sign_time` and `sign` the first sign of an underresolved run; `wall_time` the
-    seconds spent.
+    seconds spent; `done` the number of the protocol's events that are done.
     """
 
     progress: dict[str, npt.NDArray[Any]]
     sign_time: float | None
     sign: str
     wall_time: float
+    done: int = 0
 
     @property
     def t(self) -> float:
@@ -32,10 +33,12 @@ class Restart:
         return float(self.progress["t"])
 
     @classmethod
-    def of(cls, now: Progress, sign_time: float | None, sign: str, wall_time: float) -> Restart:
+    def of(
+        cls, now: Progress, sign_time: float | None, sign: str, wall_time: float, done: int = 0
+    ) -> Restart:
         """Return the restart of a running calculation."""
         arrays = {name: np.asarray(value) for name, value in now._asdict().items()}
-        return cls(arrays, sign_time, sign, wall_time)
+        return cls(arrays, sign_time, sign, wall_time, done)
 
     def to_progress(self) -> Progress:
         """Return the `Progress` to go on from; call in double precision."""

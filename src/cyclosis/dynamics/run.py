@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..analysis.diagnostics import TAIL_FRACTION, measure
-from ..model.grid import Array, CylinderGrid
-from ..model.parameters import Parameters
+from ..model.grid import Array
 from ..model.spectral import dtypes
 from ..model.system import System
-from .advance import DIVERGED, Control, Progress, advance, start
+from .advance import Control, Progress, advance, start
+from .course import Course, Intervention
 from .frames import Frames
 from .interrupts import Interrupts
 from .restart import Restart
@@ -47,18 +47,20 @@ class Watch:
     """The first sign of an under-resolved run: a heavy spectral tail or an overshoot of |P| = 1."""
 
     def __init__(self, cell: System, settings: Settings) -> None:
-        k = TAIL_FRACTION * min(float(np.max(cell.space.m)), float(np.max(cell.space.q)))
-        diffuses = any(term.name == "diffusion" for term in cell.terms)
-        damping = float(cell.values.d_s) * k**2 if diffuses else 0.0
-        self.patience = -np.log(NOISE_DECAY) / damping if damping > 0 else 0.0
+        self.patience = _decay_time(cell)
+        self.blind_until = 0.0
         # Steps of finite accuracy may overshoot by about their tolerance; more is the grid's doing.
         self.overshoot = 1.0 + 1e-6 + (settings.rtol if settings.stepper == "adaptive" else 0.0)
         self.time: float | None = None
         self.sign = ""
 
+    def disturbed(self, t: float, cell: System) -> None:
+        """Look away until what an intervention has left of noise and sharp edges has diffused."""
+        self.blind_until = self.patience = t + _decay_time(cell)
+
     def look(self, t: float, tail: float, peak: float) -> None:
         """Take note of a recorded instant."""
-        if self.time is not None:
+        if self.time is not None or t < self.blind_until:
             return
         if t >= self.patience and tail > UNDERRESOLVED_TAIL:
             self.time, self.sign = t, f"the spectral tail is {tail:.1e} (limit {UNDERRESOLVED_TAIL:g})"
@@ -66,31 +68,40 @@ class Watch:
             self.time, self.sign = t, f"|P| overshoots 1 by {peak - 1:.1e}"
 
 
+def _decay_time(cell: System) -> float:
+    """Return the time in which diffusion alone damps noise in the spectral tail."""
+    k = TAIL_FRACTION * min(float(np.max(cell.space.m)), float(np.max(cell.space.q)))
+    diffuses = any(term.name == "diffusion" for term in cell.terms)
+    damping = float(cell.values.d_s) * k**2 if diffuses else 0.0
+    return -np.log(NOISE_DECAY) / damping if damping > 0 else 0.0
+
+
 class Run:
     """One call of `simulate` or `resume`: begin or restore, then go."""
 
     def __init__(
         self,
-        params: Parameters,
-        grid: CylinderGrid,
+        course: Course,
         how: Settings,
-        cell: System,
         provenance: dict[str, Any],
         report: Callable[[Snapshot], None] | None,
         checkpoint: Callable[[Trajectory], None] | None,
         checkpoint_seconds: float,
     ) -> None:
-        self.params, self.grid, self.how, self.provenance = params, grid, how, provenance
-        self.cell, self.report = jax.device_put(cell), report
+        self.course, self.how, self.provenance, self.report = course, how, provenance, report
+        self.done, self.interventions = 0, list[Intervention]()
+        cell = course.system(0)
+        self.cell: System = jax.device_put(cell)
         self.checkpoint, self.checkpoint_seconds = checkpoint, checkpoint_seconds
         self.began = self.last_checkpoint = clock.perf_counter()
         self.spent = 0.0
-        self.frames, self.times = Frames((2, *grid.shape), dtypes(how.precision)[0]), list[float]()
+        self.frames, self.times = Frames((2, *course.grid.shape), dtypes(how.precision)[0]), list[float]()
         self.record_times, self.records = list[float](), list[dict[str, Any]]()
         self.watch = Watch(cell, how)
-        dt = how.dt or default_dt(how, cell)
-        steady = NEVER if how.steady_rate is None else how.steady_rate
-        self.control = Control(*(np.float64(x) for x in (how.rtol, how.atol, dt, steady)))
+        stages = range(len(course.times) + 1) if how.stepper == "rk4" else (0,)
+        dt = how.dt or min(default_dt(how, course.system(k)) for k in stages)
+        numbers = (np.float64(x) for x in (how.rtol, how.atol, dt, NEVER))
+        self.control = Control(*numbers)._replace(bound=course.bound)
 
     def begin(self, spectrum: npt.NDArray[Any]) -> Progress:
         """Return the start of a new run at t = 0."""
@@ -103,6 +114,11 @@ class Run:
         self.records = [{n: v[i] for n, v in run.records.items()} for i in range(run.record_times.size)]
         self.watch.time, self.watch.sign = run.restart.sign_time, run.restart.sign
         self.spent = run.restart.wall_time
+        self.done, self.interventions = run.restart.done, list(run.interventions)
+        self.cell = jax.device_put(self.course.system(self.done))
+        for number in range(self.done):
+            if self.course.schedule.disturbs(number):
+                self.watch.disturbed(self.course.times[number], self.course.system(number + 1))
         return run.restart.to_progress()
 
     def go(self, now: Progress) -> Trajectory:
@@ -118,6 +134,7 @@ class Run:
                     if status is not Status.INTERRUPTED:
                         self._keep(now, save_field=True)
                     break
+                now = self._intervene(now)
                 if target in record:
                     self._keep(now, save_field=target in save)
         return self.trajectory(now, status)
@@ -126,13 +143,27 @@ class Run:
         """Times to reach, less those that are behind."""
         times = np.union1d(self.how.record_times(), [self.how.t_end]).tolist()
         last = self.record_times[-1] if self.record_times else -1.0
-        return [t for t in times if t > last and t >= float(now.t)]
+        events = [t for t in self.course.times[self.done :] if t <= self.how.t_end]
+        return sorted({t for t in times if t > last and t >= float(now.t)}.union(events))
+
+    def _intervene(self, now: Progress) -> Progress:
+        """Do what the protocol does at the time that is reached."""
+        while self.done < len(self.course.times) and self.course.times[self.done] == float(now.t):
+            now, note = self.course.intervene(now, self.done)
+            self.done += 1
+            self.cell = jax.device_put(self.course.system(self.done))
+            if note is not None:
+                self.interventions.append(note)
+                self.watch.disturbed(note.time, self.cell)
+        return now
 
     def _reach(self, now: Progress, target: float, interrupts: Interrupts) -> Progress:
         adaptive, steps = self.how.stepper == "adaptive", 8
+        steady = self.how.steady_rate if self._may_settle() else None
+        control = self.control._replace(steady_rate=np.float64(NEVER if steady is None else steady))
         while float(now.t) < target and not interrupts.asked:
             began = clock.perf_counter()
-            now = advance(self.cell, self.control, now, np.float64(target), np.int64(steps), adaptive)
+            now = advance(self.cell, control, now, np.float64(target), np.int64(steps), adaptive)
             now.t.block_until_ready()
             steps = int(np.clip(steps * CHUNK_SECONDS / (clock.perf_counter() - began), 1, 4096))
             try:
@@ -147,7 +178,12 @@ class Run:
         return now
 
     def _steady(self, now: Progress) -> bool:
-        return self.how.steady_rate is not None and float(now.rate) <= self.how.steady_rate
+        rate = self.how.steady_rate
+        return rate is not None and self._may_settle() and float(now.rate) <= rate
+
+    def _may_settle(self) -> bool:
+        """Whether nothing more is to be done: until then no state is the last."""
+        return self.done == len(self.course.times)
 
     def _why(self, now: Progress) -> Status:
         if bool(now.failed):
@@ -159,7 +195,10 @@ class Run:
         record = {name: np.asarray(v) for name, v in measure(self.cell, now.spectrum, now.t).items()}
         self.record_times.append(t)
         self.records.append(record)
-        self.watch.look(t, float(record["spectral_tail"]), max(float(now.peak), float(record["max_P"])))
+        peak = float(record["max_P"])
+        if not self.interventions:  # after one, the largest |P| so far may be that of a sharp edge
+            peak = max(peak, float(now.peak))
+        self.watch.look(t, float(record["spectral_tail"]), peak)
         if save_field:
             self.times.append(t)
             self.frames.append(self._state(now))
@@ -171,6 +210,9 @@ class Run:
         self.last_checkpoint = clock.perf_counter()
 
     def _state(self, now: Progress) -> Array:
+        """Return the state that is reached, to the bit as an intervention left it."""
+        if self.interventions and self.interventions[-1].time == float(now.t):
+            return self.interventions[-1].after
         return self.cell.state(np.asarray(now.spectrum))
 
     def _wall(self) -> float:
@@ -184,8 +226,8 @@ class Run:
         when = self.watch.time if status is Status.UNDERRESOLVED and self.watch.time is not None else t
         names = self.records[0] if self.records else {}
         return Trajectory(
-            params=self.params,
-            grid=self.grid,
+            params=self.course.params,
+            grid=self.course.grid,
             settings=self.how,
             terms=self.cell.terms,
             times=np.array(self.times),
@@ -194,12 +236,14 @@ class Run:
             records={name: np.stack([record[name] for record in self.records]) for name in names},
             status=status,
             status_time=when,
-            message=_message(status, when, self.how, self.watch.sign),
+            message=_message(status, when, self.how, self.watch.sign, self.course.bound),
             t_final=t,
             final_state=self._state(now),
-            restart=Restart.of(now, self.watch.time, self.watch.sign, self._wall()),
+            restart=Restart.of(now, self.watch.time, self.watch.sign, self._wall(), self.done),
             effort=Effort(int(now.evaluations), int(now.accepted), int(now.rejected), self._wall()),
             provenance=self.provenance,
+            protocol=self.course.protocol,
+            interventions=tuple(self.interventions),
         )
 
 
@@ -213,7 +257,7 @@ def default_dt(how: Settings, cell: System) -> float:
     return min(0.1, 0.9 * RK4_STABILITY / (stiffest + local + 1e-12))
 
 
-def _message(status: Status, t: float, how: Settings, sign: str) -> str:
+def _message(status: Status, t: float, how: Settings, sign: str, bound: float) -> str:
     if status is Status.COMPLETED:
         return f"Completed: reached t = {t:g}."
     if status is Status.STEADY:
@@ -224,6 +268,6 @@ def _message(status: Status, t: float, how: Settings, sign: str) -> str:
         return f"Underresolved from t = {t:g}: {sign}; use more grid points, or dealias."
     cure = "use a smaller dt or the adaptive stepper" if how.stepper != "adaptive" else "use more grid points"
     return (
-        f"Diverged after t = {t:g}: |P| would pass {DIVERGED:g} or no step is small enough; "
+        f"Diverged after t = {t:g}: |P| would pass {bound:g} or no step is small enough; "
         f"the last good state is kept; {cure}, or lower epsilon."
     )

@@ -11,12 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ..model.errors import InputError
-from ..model.filaments import TermLike, select_terms
+from ..model.filaments import Term, TermLike, select_terms
 from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 from ..model.precision import double
-from ..model.system import system
 from .advance import DIVERGED
+from .course import Course
+from .protocol import Protocol, Step
 from .run import Run, Snapshot
 from .settings import Settings
 from .trajectory import Status, Trajectory
@@ -31,6 +32,7 @@ def simulate(
     t_end: float = 200.0,
     save_every: float = 1.0,
     *,
+    protocol: Protocol | Iterable[Step] | None = None,
     terms: Iterable[TermLike] | None = None,
     progress: Callable[[Snapshot], None] | None = None,
     checkpoint: Callable[[Trajectory], None] | None = None,
@@ -52,6 +54,10 @@ def simulate(
     * precision: "float64" or "float32".
     * steady_rate: stop once <|dP/dt|²>^½ / <|P|²>^½ falls below it.
 
+    `protocol` says what is done to the cell on its way (see `cyclosis.Protocol`); steps land on its times
+    exactly, and what lies beyond `t_end` waits for `resume`. With a `steady_rate` the run stops as steady
+    only once nothing more is to be done.
+
     `terms` selects terms by name and may hold the user's own, `term(t, P, u, params, grid)`. `progress`
     is called a few times a second. `checkpoint` gets the run so far at the start and then every
     `checkpoint_seconds`, which changes no step; a file writer for it is `cyclosis.RunWriter`.
@@ -62,7 +68,8 @@ def simulate(
     """
     how = Settings(t_end=t_end, save_every=save_every, **_known(settings))
     P = grid.check_state(state, "the initial state", bounded=True)
-    cell = system(params, grid, select_terms(terms), how.dealias, how.precision, split=how.stepper != "rk4")
+    course = _course(params, grid, _protocol(protocol), select_terms(terms), how)
+    cell = course.system(0)
     spectrum = cell.spectrum(P)
     largest = float(np.max(np.hypot(*cell.state(spectrum))))
     if largest > DIVERGED:
@@ -74,7 +81,7 @@ def simulate(
         )
     origin = dict(provenance or {}) | {"initial_sha256": hashlib.sha256(P.tobytes()).hexdigest()}
     with double():
-        run = Run(params, grid, how, cell, origin, progress, checkpoint, checkpoint_seconds)
+        run = Run(course, how, origin, progress, checkpoint, checkpoint_seconds)
         return run.go(run.begin(spectrum))
 
 
@@ -102,12 +109,28 @@ def resume(
     if (finished and end <= run.t_final) or end < run.t_final:
         raise InputError("t_end", end, f"later than the time reached, {run.t_final:g}", "raise it")
     chosen = run.terms if terms is None else select_terms(terms)
-    cell = system(run.params, run.grid, chosen, how.dealias, how.precision, split=how.stepper != "rk4")
+    course = _course(run.params, run.grid, run.protocol, chosen, how)
     with double():
-        onward = Run(
-            run.params, run.grid, how, cell, run.provenance, progress, checkpoint, checkpoint_seconds
-        )
+        onward = Run(course, how, run.provenance, progress, checkpoint, checkpoint_seconds)
         return onward.go(onward.restore(run))
+
+
+def _course(
+    params: Parameters, grid: CylinderGrid, protocol: Protocol, terms: tuple[Term, ...], how: Settings
+) -> Course:
+    return Course(params, grid, protocol, terms, how.dealias, how.precision, split=how.stepper != "rk4")
+
+
+def _protocol(given: Protocol | Iterable[Step] | None) -> Protocol:
+    if given is None:
+        return Protocol()
+    if isinstance(given, Protocol):
+        return given
+    if not isinstance(given, Iterable) or isinstance(given, str):
+        raise InputError(
+            "protocol", given, "a Protocol", "write cyclosis.Protocol(cyclosis.change(...), ...)"
+        )
+    return Protocol(*given)
 
 
 def _known(settings: dict[str, Any]) -> dict[str, Any]:

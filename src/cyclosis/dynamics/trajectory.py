@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,8 +13,11 @@ import numpy.typing as npt
 from ..model.filaments import Term
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
+from .course import Intervention
 from .frames import Frames
+from .protocol import Protocol
 from .restart import Restart
+from .schedule import Schedule
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -63,7 +67,10 @@ class Trajectory:
     `cyclosis.diagnostics.QUANTITIES`. `status` is a `Status`, reached at `status_time`, with a
     `message` that says what to do; `t_final` and `final_state` are where the run stopped, and
     `restart` is all that is needed to go on. `provenance` says where the initial state came from.
-    Everything is dimensionless.
+    `protocol` is what was to be done on the way, `params` the parameters before any of it and
+    `params_at(t)` those in force at a time. A frame or record at the time of a step is after it; the states
+    just before and just after, wherever steps acted on the state, are the `interventions`. Everything is
+    dimensionless.
     """
 
     params: Parameters
@@ -82,6 +89,16 @@ class Trajectory:
     restart: Restart
     effort: Effort
     provenance: dict[str, Any]
+    protocol: Protocol = field(default_factory=Protocol)
+    interventions: tuple[Intervention, ...] = ()
+
+    def params_at(self, t: float) -> Parameters:
+        """Return the parameters in force at time t, after whatever the protocol does then."""
+        return self._schedule.params_at(t)
+
+    @cached_property
+    def _schedule(self) -> Schedule:
+        return Schedule(self.params, self.grid, self.protocol)
 
     @property
     def ok(self) -> bool:

@@ -95,6 +95,12 @@ def _try(cell: System, control: Control, table: Tableau, now: Progress, t_end: A
     return jax.tree.map(lambda a, b: jnp.where(waits, a, b), now, new)
 
 
+@jax.jit
+def signs(cell: System, now: Progress, t_end: Any) -> Signs:
+    """Return what is looked at of one member."""
+    return _signs(cell, now, t_end)
+
+
 def _signs(cell: System, now: Progress, t_end: Any) -> Signs:
     spectrum = now.spectrum
     energy = (spectrum.real**2 + spectrum.imag**2) / spectrum.size**2

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from ..dynamics.protocol import Protocol
+from ..dynamics.schedule import Schedule
 from ..dynamics.settings import Settings
 from ..model.errors import InputError, choice, whole
 from ..model.grid import Array, CylinderGrid
@@ -14,12 +16,14 @@ OUTCOMES = ("certified", "completed", "underresolved", "diverged")
 """How a member ended: regime certain, t_end reached, either of them on too coarse a grid, or diverged."""
 FINISH = ("certified", "t_end")
 """When a member is done: once its final regime is certain (or at t_end), or always at t_end."""
+UNCERTIFIED = "set it so: what is certain of a cell is no longer so once something is done to it"
+"""What to do where members with a protocol were to be certified."""
 MAX_LANES = 1_048_576
 
 
 @dataclass(frozen=True)
 class Member:
-    """One cell to follow: its parameters, its grid, and a function that makes its initial state.
+    """One cell to follow: parameters, grid, a function that makes its initial state, and its protocol.
 
     The state (2, n_theta, n_z), |P| <= 1, is made only when the member's turn comes.
     """
@@ -27,6 +31,11 @@ class Member:
     params: Parameters
     grid: CylinderGrid
     state: Callable[[], Array]
+    protocol: Protocol = field(default_factory=Protocol)
+
+    def params_at(self, t: float) -> Parameters:
+        """Return the parameters in force at time t, after whatever the protocol does then."""
+        return Schedule(self.params, self.grid, self.protocol).params_at(t) if self.protocol else self.params
 
 
 @dataclass(frozen=True)
@@ -92,3 +101,10 @@ class Outcome:
         """The axial mean of the final state, (2, n_theta)."""
         mean: Array = self.state.mean(axis=2)
         return mean
+
+
+def uncertain(status: str, rate: float) -> str:
+    """Return why nothing is certain of a member that has "diverged" or "completed"."""
+    if status == "diverged":
+        return "no step was small enough, or |P| passed its bound; the last good state is kept"
+    return f"at t_end, where its relative rate of change was {rate:.1e}"

@@ -15,6 +15,7 @@ import numpy as np
 from ..analysis.regimes import regime
 from ..dynamics.advance import Control, Progress, advance, start
 from ..dynamics.run import NEVER, Watch
+from ..model.errors import InputError
 from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 from ..model.precision import double
@@ -22,7 +23,8 @@ from ..model.system import System, system
 from .certainty import UNEVEN, Certainty, Doubt, Verdict
 from .lanes import Signs, run_lanes, tables
 from .looks import Look
-from .members import EnsembleSettings, Member, Outcome
+from .members import UNCERTIFIED, EnsembleSettings, Member, Outcome, uncertain
+from .scheduled import follow_scheduled
 
 CPU_LANES = 1
 """Lanes on a CPU: with more, the working set leaves the fast cache."""
@@ -42,16 +44,24 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
     `cyclosis.ensemble.certainty`); with "t_end" all are followed to t_end. Each member has its own adaptive
     step from the ladder 2^{j/2}; its outcome does not depend on the other members. Members may differ in
     everything; those that share grid, diffusion and flow operator share lanes. `lanes` sets how many run at
-    once, by default one on a CPU and as many as 8 GiB hold on an accelerator.
+    once, by default one on a CPU and as many as 8 GiB hold on an accelerator. Members with a protocol are
+    followed one by one.
 
-    Raises `InputError` for states that do not fit their grid; all that happens later is an outcome.
+    Raises `InputError` for states that do not fit their grid, and for a protocol where `finish` is
+    "certified"; all that happens later is an outcome.
     """
     how = how or EnsembleSettings()
     outcomes: list[Outcome | None] = [None] * len(members)
     pools: dict[Any, list[int]] = {}
     for index, member in enumerate(members):
-        pools.setdefault(_shared(member.params, member.grid), []).append(index)
+        if not member.protocol:
+            pools.setdefault(_shared(member.params, member.grid), []).append(index)
+        elif how.finish == "certified":
+            raise InputError("finish", how.finish, "t_end where there is a protocol", UNCERTIFIED)
     with double():
+        for index, member in enumerate(members):
+            if member.protocol:
+                outcomes[index] = follow_scheduled(member, how)
         for indices in pools.values():
             for index, outcome in _Pool(members, indices, how).run():
                 outcomes[index] = outcome
@@ -191,7 +201,7 @@ class _Pool:
                 now = advance(running, self.control, now, self.t_end, np.int64(MOST_STEPS), True)
             state = cell.state(np.asarray(now.spectrum))
             found = regime(seat.params, self.grid, state, self.how.terms)
-            verdict = Verdict(found.name, _uncertain(status, found.rate), state, np.nan, 0.0)
+            verdict = Verdict(found.name, uncertain(status, found.rate), state, np.nan, 0.0)
         if status != "diverged" and seat.watch.time is not None:
             status = "underresolved"
         t = float(now.t)
@@ -209,12 +219,6 @@ class _Pool:
             evaluations=int(now.evaluations),
             seconds=(clock.perf_counter() - seat.began) / self.lanes,
         )
-
-
-def _uncertain(status: str, rate: float) -> str:
-    if status == "diverged":
-        return "no step was small enough, or |P| passed its bound; the last good state is kept"
-    return f"at t_end, where its relative rate of change was {rate:.1e}"
 
 
 def _stacked(items: list[Any]) -> Any:

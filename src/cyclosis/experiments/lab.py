@@ -109,8 +109,9 @@ class Lab:
         **settings: Any,
     ) -> Trajectory:
         """Run one cell and return its trajectory; `times` are those of saved frames (default: the end)."""
-        given = {"protocol": protocol} if protocol is not None else {}
-        run = simulate(params, grid, state, t_end, save_at=tuple(times) or (t_end,), **given, **settings)
+        run = simulate(
+            params, grid, state, t_end, save_at=tuple(times) or (t_end,), protocol=protocol, **settings
+        ), **given, **settings)
         if run.status == "interrupted":
             raise InputError("the run", "interrupted", "left to its end", "start the experiment again")
         return run

@@ -88,8 +88,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
     uniform = min(test.rayleigh, test.kuiper) > LEVEL
     equal = worst < EQUAL
     text = (
-        f"cyclosis returned in {in_words(share)} of {back.size} cells; its shift about the axis is "
-        f"{'' if uniform else 'not '}uniform (Rayleigh p = {test.rayleigh:.2f}, Kuiper p = {test.kuiper:.2f}), "
+        f"cyclosis returned in {in_words(share)} of {back.size} cells; its shift about the axis is"
+        f"{'' if uniform else ' not'} uniform (Rayleigh p = {test.rayleigh:.2f}, Kuiper p = {test.kuiper:.2f}), "
         f"and widths differ from a half by at most {worst:.1e}"
     )
     good = share[0] > 0.5 and uniform and equal
@@ -124,8 +124,8 @@ def draw(data: xarray.Dataset) -> Figure:
 
 EXPERIMENT = Experiment(
     name="recovery",
-    claim="After the cables have been disorganised and the drug is washed out, cyclosis re-establishes itself "
-    "with two equal stripes, and the indifferent zone is found in a new position.",
+    claim="After the cables have been disorganised and the drug is washed out, cyclosis re-establishes "
+    "itself with two equal stripes, and the indifferent zone is found in a new position.",
     source="Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2",
     method="Two stripes; at t = 20 bundling is set to zero and all filaments are fragmented; at t = 40 it is "
     "washed out; at t = 400 the zone's shift about the axis is tested for uniformity (Rayleigh, Kuiper).",

@@ -259,7 +259,7 @@ def _parameters(dataset: xarray.Dataset, fixed: dict[str, float]) -> Parameters 
     try:
         configuration = json.loads(dataset.attrs["configuration"])
         terms = configuration.get("run", {}).get("terms")
-        if terms is not None and set(terms) != set(TERM_NAMES):
+        if (terms is not None and set(terms) != set(TERM_NAMES)) or "protocol" in configuration:
             return None
         names = {item.name for item in PARAMETERS}
         values = configuration.get("parameters", {}) | {k: v for k, v in fixed.items() if k in names}

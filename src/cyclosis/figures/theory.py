@@ -9,12 +9,14 @@ import numpy as np
 import xarray
 from matplotlib.lines import Line2D
 
+from ..dynamics.protocol import Protocol
+from ..dynamics.schedule import Schedule
 from ..model.definitions import TERM_NAMES
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.profile import Profile, stripes
-from .frames import frame
+from .frames import frame, grid_of
 from .style import DOWN, INK, LEGEND, UP
 
 _NEEDED = {"bundling", "flow_alignment", "diffusion", "rotational_diffusion"}
@@ -33,7 +35,11 @@ def expected(dataset: xarray.Dataset) -> Profile | str:
     if not _NEEDED <= terms <= set(TERM_NAMES):
         return "no theory for these terms"
     try:
-        return stripes(Parameters(**configuration["parameters"]), 2, max(256, 2 * P.shape[1]))
+        params = Parameters(**configuration["parameters"])
+        if "protocol" in configuration:
+            protocol = Protocol.from_tables(configuration["protocol"])
+            params = Schedule(params, grid_of(dataset), protocol).params_at(float(dataset["time"][-1]))
+        return stripes(params, 2, max(256, 2 * P.shape[1]))
     except InputError:
         return "no theory for these parameters"
 

@@ -19,8 +19,8 @@ Kind = Literal["number", "whole", "flag", "choice", "text", "names", "numbers", 
 class Definition:
     """One setting: what it is called, what it means and what it may be.
 
-    `optional` settings may also be None; `field` marks a parameter that may be given as an array of
-    shape (n_theta, n_z).
+    `optional` settings may also be None, `needed` ones have no default; `field` marks a parameter that may
+    be given as an array of shape (n_theta, n_z).
     """
 
     name: str
@@ -33,10 +33,13 @@ class Definition:
     allowed: tuple[str, ...] = ()
     optional: bool = False
     field: bool = False
+    needed: bool = False
 
     @property
     def remedy(self) -> str:
         """What to do about a refused value."""
+        if self.needed:
+            return "give one, for there is no default"
         if self.default is None:
             return "leave it out for the default"
         return f"the default is {str(self.default).lower() if self.kind == 'flag' else self.default}"

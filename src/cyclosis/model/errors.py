@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import numbers
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -68,3 +70,9 @@ def choice(field: str, value: Any, allowed: tuple[str, ...]) -> str:
     if not isinstance(value, str) or value not in allowed:
         raise InputError(field, value, "one of " + ", ".join(allowed), "choose one of these names")
     return value
+
+
+def closest(name: str, known: Iterable[str]) -> str:
+    """Return the remedy for a misspelt name."""
+    match = difflib.get_close_matches(str(name), list(known), 1)
+    return f"did you mean {match[0]}" if match else "check the spelling"

@@ -32,6 +32,13 @@ def noise(
     return interpolate(drawn, grid.shape)
 
 
+def standard_noise(
+    grid: CylinderGrid, rng: np.random.Generator, noise_grid: tuple[int, int] | None = None
+) -> Array:
+    """Return independent normal numbers of variance 1 at every point of `noise_grid`, see `noise`."""
+    return interpolate(rng.normal(size=(2, *(noise_grid or grid.shape))), grid.shape)
+
+
 def disordered(
     grid: CylinderGrid,
     filaments_per_square: float = 1000,

@@ -70,6 +70,16 @@ class Parameters:
         """The shape of the field-valued parameters, or None when all are numbers."""
         return next((v.shape for _, v in self.items() if isinstance(v, np.ndarray)), None)
 
+    def require_shape(self, shape: tuple[int, int]) -> None:
+        """Raise `InputError` unless the field-valued parameters have the shape of a grid."""
+        if self.shape not in (None, shape):
+            raise InputError(
+                "shape of the parameter fields",
+                self.shape,
+                f"that of the grid, {shape}",
+                "give the fields on the grid that is used",
+            )
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Parameters):
             return NotImplemented

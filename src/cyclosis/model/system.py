@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from . import filaments, hydrodynamics, spectral
-from .errors import InputError
 from .filaments import Term, TermLike
 from .grid import Array, CylinderGrid, interpolate
 from .hydrodynamics import FlowOperator
@@ -26,11 +25,21 @@ from .precision import double
 from .spectral import Space
 
 
+class Ramp(NamedTuple):
+    """Values on their straight way in time: those of the system at `begin`, `target` (by name) at `end`."""
+
+    begin: Any
+    end: Any
+    target: dict[str, Any]
+
+
 @dataclass(frozen=True)
 class System:
     """The right-hand side of one cell: dP/dt = linear P + nonlinear(P) in packed Fourier space.
 
-    `split` says that the linear terms are kept apart, for steppers that treat them exactly.
+    `split` says that the linear terms are kept apart, for steppers that treat them exactly. With a `ramp`
+    some of the values follow time; the linear part is then that of the stronger diffusion of either end, and
+    what is too much of it is taken back in the nonlinear part, so that a stepper keeps its order.
     """
 
     space: Space
@@ -40,10 +49,16 @@ class System:
     cubic: bool
     grid: CylinderGrid | None
     split: bool = True
+    ramp: Ramp | None = None
 
     def at(self, spectrum: jax.Array, time: Any = 0.0) -> Moment:
         """Return the `Moment` of a packed spectrum."""
-        return Moment(time, spectrum, self.values, self.space, self.operator, self.cubic, self.grid)
+        values, operator = self.values, self.operator
+        if self.ramp is not None:
+            values = _on_the_way(values, self.ramp, time)
+            if "mu" in self.ramp.target:
+                operator = hydrodynamics.flow_operator(self.space, values.mu, values.zero_theta_flux)
+        return Moment(time, spectrum, values, self.space, operator, self.cubic, self.grid)
 
     def with_values(self, values: Values) -> System:
         """Return the same system with other values of the couplings.
@@ -54,13 +69,19 @@ class System:
 
     def linear(self) -> jax.Array:
         """Return the real symbol of the linear part, shape (n_theta, n_z); zero if not `split`."""
-        symbol = filaments.linear_symbol(self.at(self.space.k2), self.terms)
+        values = self.values if self.ramp is None else _strongest(self.values, self.ramp)
+        now = Moment(0.0, self.space.k2, values, self.space, self.operator, self.cubic, self.grid)
+        symbol = filaments.linear_symbol(now, self.terms)
         return symbol if self.split else jnp.zeros_like(symbol)
 
     def nonlinear(self, now: Moment) -> jax.Array:
         """Return the spectrum of the rest of dP/dt."""
         rest = filaments.nonlinear(now, self.terms)
-        return rest if self.split else rest + filaments.linear_symbol(now, self.terms) * now.spectrum
+        if not self.split:
+            return rest + filaments.linear_symbol(now, self.terms) * now.spectrum
+        if self.ramp is None or not _LINEAR & self.ramp.target.keys():
+            return rest
+        return rest + (filaments.linear_symbol(now, self.terms) - self.linear()) * now.spectrum
 
     def rate(self, now: Moment) -> jax.Array:
         """Return the spectrum of dP/dt."""
@@ -78,8 +99,46 @@ class System:
 
 
 jax.tree_util.register_dataclass(
-    System, data_fields=["space", "values", "operator"], meta_fields=["terms", "cubic", "grid", "split"]
+    System,
+    data_fields=["space", "values", "operator", "ramp"],
+    meta_fields=["terms", "cubic", "grid", "split"],
 )
+
+_LINEAR = {"d_s", "d_r"}
+"""The parameters of the linear terms."""
+
+
+def _on_the_way(values: Values, ramp: Ramp, time: Any) -> Values:
+    """Return the values at a time during a ramp."""
+    share = (time - ramp.begin) / (ramp.end - ramp.begin)
+
+    def between(name: str) -> Any:
+        first = getattr(values, name)
+        return first + jnp.asarray(share, first.real.dtype) * (ramp.target[name] - first)
+
+    now = values._replace(**{name: between(name) for name in ramp.target})
+    if "repulsion_angle" not in ramp.target:
+        return now
+    mirror = now.kappa * jnp.exp(2j * now.repulsion_angle)
+    return now._replace(kappa_mirror=mirror.astype(values.kappa_mirror.dtype))
+
+
+def _strongest(values: Values, ramp: Ramp) -> Values:
+    """Return the values with the larger of the diffusion constants at either end of a ramp."""
+    larger = {n: jnp.maximum(getattr(values, n), ramp.target[n]) for n in _LINEAR & ramp.target.keys()}
+    return values._replace(**larger)
+
+
+def ramped(first: System, last: System, begin: float, end: float, names: Iterable[str]) -> System:
+    """Return the system whose values `names` go straight from those of `first` at `begin` to those of `last`.
+
+    All else must be the same in both; what a name does not change costs nothing but time.
+    """
+    chosen = set(names)
+    if "kappa" in chosen and "repulsion_angle" not in chosen:
+        chosen.add("kappa_mirror")  # linear in kappa
+    target = {name: getattr(last.values, name) for name in sorted(chosen)}
+    return replace(first, ramp=Ramp(np.float64(begin), np.float64(end), target))
 
 
 def system(
@@ -90,19 +149,15 @@ def system(
     precision: str = "float64",
     split: bool = True,
     traced: dict[str, Any] | None = None,
+    cubic: bool | None = None,
 ) -> System:
     """Return the `System` of a cell.
 
-    `traced` overrides parameters with values that JAX traces (numbers only). Raises `InputError` when
-    field-valued parameters do not match the grid.
+    `traced` overrides parameters with values that JAX traces (numbers only). `cubic` says whether the
+    force is always cubic (default: if it is by its parameters). Raises `InputError` when field-valued
+    parameters do not match the grid.
     """
-    if params.shape not in (None, grid.shape):
-        raise InputError(
-            "shape of the parameter fields",
-            params.shape,
-            f"that of the grid, {grid.shape}",
-            "give the fields on the grid that is used",
-        )
+    params.require_shape(grid.shape)
     chosen = filaments.select_terms(terms)
     space = spectral.space(grid, dealias, precision)
     given = dict(params.items()) | (traced or {})
@@ -114,7 +169,9 @@ def system(
         values,
         operator,
         chosen,
-        cubic=not (traced and "force_exponent" in traced) and params.force_exponent == 2,
+        cubic=not (traced and "force_exponent" in traced) and params.force_exponent == 2
+        if cubic is None
+        else cubic,
         grid=grid.resized(*space.fine) if custom else None,
         split=split,
     )

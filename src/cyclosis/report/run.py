@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,8 +19,9 @@ def summary(run: Trajectory) -> str:
     from ..analysis.diagnostics import diagnose
     from ..analysis.regimes import regime
 
-    found = regime(run.params, run.grid, run.final_state, run.terms, run.t_final)
-    numbers = diagnose(run.params, run.grid, run.final_state, run.t_final, run.terms)
+    params = run.params_at(run.t_final)
+    found = regime(params, run.grid, run.final_state, run.terms, run.t_final)
+    numbers = diagnose(params, run.grid, run.final_state, run.t_final, run.terms)
     effort = run.effort
     lines = {
         "status": run.message,
@@ -32,7 +33,16 @@ def summary(run: Trajectory) -> str:
         "wall time": f"{effort.wall_time:.1f} s",
         "effort": f"{effort.evaluations} right-hand sides in {effort.accepted} steps",
     }
+    if run.protocol:
+        lines["protocol"] = _steps_done(run)
     return "\n".join(f"{name:>18}  {text}" for name, text in lines.items())
+
+
+def _steps_done(run: Trajectory) -> str:
+    steps = len(run.protocol)
+    waiting = sum(step.at > run.t_final for step in run.protocol)
+    text = f"{steps} step{'s' if steps > 1 else ''}"
+    return f"{text}, {waiting} of them after t = {run.t_final:g} and not reached" if waiting else text
 
 
 def _zones(found: Regime) -> str:
@@ -55,6 +65,7 @@ def tree(dataset: xarray.Dataset) -> str:
         f"├─ saved       {span}",
         "├─ parameters  " + _listed(asked["parameters"]),
         "├─ run         " + _listed(asked["run"]),
+        *_protocol(asked),
         f"├─ effort      {run['evaluations']} right-hand sides, "
         f"{run['accepted']} steps, {run['rejected']} rejected",
         f"├─ made        {dataset.attrs['created']} on {dataset.attrs['device']}, "
@@ -68,6 +79,17 @@ def tree(dataset: xarray.Dataset) -> str:
         branch = "└─" if name == names[-1] else "├─"
         lines.append(f"   {branch} {f'{name}({dims})':<32} {variable.attrs.get('long_name', '')}")
     return "\n".join(lines)
+
+
+def _protocol(asked: dict[str, Any]) -> list[str]:
+    """Return the protocol of a run as branches of its tree."""
+    if "protocol" not in asked:
+        return []
+    from ..dynamics.protocol import Protocol
+
+    protocol = Protocol.from_tables(asked["protocol"], asked["protocol_seed"])
+    first, *steps = repr(protocol).splitlines()
+    return [f"├─ protocol    {first.removeprefix('Protocol: ')}", *(f"│  {step}" for step in steps)]
 
 
 def _listed(values: dict[str, object]) -> str:

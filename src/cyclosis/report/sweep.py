@@ -28,9 +28,11 @@ def plan(sweep: Sweep, cost: Estimate) -> str:
     axes = [f"{name} {len(values)}" for name, values in sweep.axes.items()]
     sample = f"{cost.sampled} {'run' if cost.sampled == 1 else 'runs'} spread over the axes"
     each = f"{cost.member_seconds:.3g} s each, after {duration(cost.compiling)} of compiling"
+    steps = {"protocol": "; ".join(map(str, sweep.protocol))} if sweep.protocol else {}
     return listed(
-        {
-            "sweep": " x ".join([*axes, f"seed {len(sweep.seeds)}"]),
+        {"sweep": " x ".join([*axes, f"seed {len(sweep.seeds)}"])}
+        | steps
+        | {
             "runs": f"{sweep.members}, {follow} to t = {run['t_end']:g}, {run['precision']}",
             "blocks": f"{sweep.blocks} of {sweep.block_size} runs",
             "time": f"about {duration(cost.seconds)} with {workers(cost.workers)} like this core",

@@ -17,6 +17,8 @@ from ..model.grid import Array
 from .plane import Linearised
 
 RESTART, RESTARTS = 120, 2
+SMALLEST = 1e-6
+"""Least divisor of the preconditioner, which is to be finite where nothing decays by itself."""
 
 
 def solve(
@@ -28,7 +30,8 @@ def solve(
     caller checks what a solution is good for.
     """
     rows, size = border.shape
-    inverse = 1.0 / (operator.diagonal - local - theta)
+    divisor = operator.diagonal - local - theta
+    inverse = 1.0 / np.where(np.abs(divisor) < SMALLEST, -SMALLEST, divisor)
     corner = np.linalg.inv((border * inverse) @ border.T) if rows else np.zeros((0, 0))
 
     def prepared(v: Any) -> Any:

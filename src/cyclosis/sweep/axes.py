@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
-from ..config import closest
 from ..model.definitions import Definition
-from ..model.errors import InputError
+from ..model.errors import InputError, closest
 from .definitions import AXIS
 
 _KEYS = {item.name: item for item in AXIS}

@@ -30,7 +30,7 @@ def compute(sweep: Sweep, index: int) -> Arrays:
     outcomes = follow(members, sweep.settings)
     evaluate = _Evaluation(sweep)
     rows = [
-        _row(member, outcome) | evaluate(member, outcome.state)
+        _row(member, outcome) | evaluate(member, outcome.state, outcome.t_final)
         for member, outcome in zip(members, outcomes, strict=True)
     ]
     return {
@@ -74,11 +74,12 @@ class _Evaluation:
         self.terms = tuple(sweep.tables["run"]["terms"])
         self.cells: dict[tuple[Parameters, CylinderGrid], System] = {}
 
-    def __call__(self, member: Member, state: Array) -> dict[str, npt.ArrayLike]:
-        """Return the quantities of a state of a member, by name."""
-        point = (member.params, member.grid)
+    def __call__(self, member: Member, state: Array, t: float) -> dict[str, npt.ArrayLike]:
+        """Return the quantities of a state of a member at a time, by name."""
+        params = member.params_at(t)
+        point = (params, member.grid)
         if point not in self.cells:
-            self.cells = {point: system(member.params, member.grid, self.terms)}
+            self.cells = {point: system(params, member.grid, self.terms)}
         cell = self.cells[point]
         with double():
             found: dict[str, npt.ArrayLike] = jax.device_get(

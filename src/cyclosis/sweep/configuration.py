@@ -11,15 +11,18 @@ from typing import Any
 import numpy as np
 
 from .. import config
+from ..dynamics.protocol import Protocol
+from ..dynamics.schedule import Schedule
 from ..model import initial
 from ..model.definitions import RUN, Definition, definition
-from ..model.errors import InputError, shown
+from ..model.errors import InputError, closest, shown
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from . import axes, variables
 from .definitions import AXES, ENSEMBLE, MAX_MEMBERS, TABLES
 
-Tables = dict[str, dict[str, Any]]
+Tables = dict[str, Any]
+"""Tables by name, and under "protocol" the list of a protocol's steps where there is one."""
 
 USUAL_BLOCK = 64
 """Members of a block, about, if the configuration does not say."""
@@ -41,20 +44,24 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
     if not isinstance(given, Mapping):
         raise InputError("configuration", given, "a table of tables", "give it as sweep.toml would hold it")
     swept = _axes(given.get("axes"))
-    rest = {name: table for name, table in given.items() if name != "axes"}
+    rest = {name: table for name, table in given.items() if name not in ("axes", "protocol")}
     _refuse_other_places(rest, swept)
     tables = config.check(rest, TABLES)
     grid = _grid(tables, swept)
+    protocol = Protocol.from_tables(given.get("protocol", []))
     out: Tables = {
         "parameters": _parameters(tables, swept, grid),
         "grid": {key: value for key, value in _plain(grid).items() if key not in swept},
         "initial": _initial(tables, swept),
         "axes": swept,
         "ensemble": _filled("ensemble", tables),
-        "run": _run(tables),
+        "run": _run(tables, bool(protocol)),
         "record": _record(tables),
     }
-    _refuse_pointless_seeds(out)
+    if protocol:
+        out["protocol"] = protocol.as_tables()
+        _refuse_impossible_steps(out, protocol)
+    _refuse_pointless_seeds(out, protocol.random)
     _refuse_crowds(out)
     out["ensemble"]["block"] = _block(out, grid)
     if out["initial"]["kind"] != "file":
@@ -90,7 +97,7 @@ def _axes(given: Any) -> dict[str, dict[str, Any]]:
     for name, table in given.items():
         if name not in AXES:
             rule = "one of " + ", ".join(AXES)
-            raise InputError("axes key", name, rule, config.closest(name, AXES))
+            raise InputError("axes key", name, rule, closest(name, AXES))
         out[name] = axes.checked(AXES[name][1], table)
     return out
 
@@ -158,12 +165,16 @@ def _filled(table: str, tables: Tables) -> dict[str, Any]:
     return {item.name: tables[table].get(item.name, item.default) for item in TABLES[table]}
 
 
-def _run(tables: Tables) -> dict[str, Any]:
+def _run(tables: Tables, protocol: bool) -> dict[str, Any]:
+    from ..ensemble.members import UNCERTIFIED, EnsembleSettings
+
     out = _filled("run", tables)
+    if protocol:
+        out["finish"] = tables["run"].get("finish", "t_end")
+        if out["finish"] == "certified":
+            raise InputError("finish", out["finish"], "t_end where there is a protocol", UNCERTIFIED)
     out["terms"] = list(out["terms"])
     _refuse_repeats("terms", out["terms"])
-    from ..ensemble.members import EnsembleSettings
-
     EnsembleSettings(**(out | {"terms": tuple(out["terms"])}))
     return out
 
@@ -193,12 +204,27 @@ def _read_file(given: dict[str, Any], grid: CylinderGrid) -> float:
     return _largest(initial.from_file(given["path"], grid, given["frame"]))
 
 
-def _refuse_pointless_seeds(tables: Tables) -> None:
+def _refuse_impossible_steps(tables: Tables, protocol: Protocol) -> None:
+    """Refuse steps that no member reaches, and regions that do not fit the cell at either end of an axis."""
+    end = tables["run"]["t_end"]
+    for step in protocol:
+        if step.at > end:
+            rule = f"at most t_end = {end:g} in a sweep"
+            raise InputError(f"at of {step.action}", step.at, rule, "raise t_end, or leave the step out")
+    given = tables["grid"]
+    lengths = axes.ends(tables["axes"]["length"]) if "length" in tables["axes"] else (given["length"],)
+    for length in lengths:
+        Schedule(Parameters(), CylinderGrid(**(given | {"length": length})), protocol)
+
+
+def _refuse_pointless_seeds(tables: Tables, random: bool) -> None:
     seeds = tables["ensemble"]["seeds"]
-    if seeds > 1 and not _noisy(tables):
+    if seeds > 1 and not _noisy(tables) and not random:
         kind = tables["initial"]["kind"]
         rule = f"1 where the initial state has no noise, as with kind = {kind} alone"
-        raise InputError("seeds", seeds, rule, "add filaments_per_square to [initial]")
+        raise InputError(
+            "seeds", seeds, rule, "add filaments_per_square to [initial], or noise to the protocol"
+        )
 
 
 def _refuse_crowds(tables: Tables) -> None:
@@ -305,7 +331,7 @@ def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
     """Return in words where two complete configurations differ, in the order of their keys."""
     out = []
     for table in dict.fromkeys([*there, *here]):
-        one, other = there.get(table, {}), here.get(table, {})
+        one, other = _keyed(there.get(table, {})), _keyed(here.get(table, {}))
         for key in dict.fromkeys([*one, *other]):
             a, b = one.get(key, "-"), other.get(key, "-")
             if a != b and key != "path":
@@ -314,6 +340,11 @@ def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
         orders = (" x ".join(tables["axes"]) for tables in (there, here))
         out.append("the axes are {} there and {} here".format(*orders))
     return out
+
+
+def _keyed(table: Any) -> Mapping[Any, Any]:
+    """Return a table, or the steps of a protocol by their number."""
+    return table if isinstance(table, Mapping) else dict(enumerate(table, 1))
 
 
 def _text(value: Any) -> str:

@@ -25,6 +25,7 @@ from .definitions import AXES
 from .variables import Variable
 
 if TYPE_CHECKING:
+    from ..dynamics.protocol import Protocol
     from ..ensemble import EnsembleSettings, Member
 
 
@@ -117,9 +118,8 @@ class Sweep:
         swept = {name: value for name, value in point.items() if AXES[name][0] == "parameters"}
         grid = grid_of(self.tables, point)
         start = {name: value for name, value in point.items() if AXES[name][0] == "initial"}
-        return Member(
-            self._fixed.replace(**swept), grid, partial(_state, self.tables["initial"] | start, seed, grid)
-        )
+        state = partial(_state, self.tables["initial"] | start, seed, grid)
+        return Member(self._fixed.replace(**swept), grid, state, self.protocol.with_seed(seed))
 
     @property
     def settings(self) -> EnsembleSettings:
@@ -173,6 +173,13 @@ class Sweep:
         }
         text = json.dumps(decisive, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()
+
+    @cached_property
+    def protocol(self) -> Protocol:
+        """What is done to every member, each with the random numbers of its own seed."""
+        from ..dynamics.protocol import Protocol
+
+        return Protocol.from_tables(self.tables.get("protocol", []))
 
     @cached_property
     def _fixed(self) -> Parameters:
