@@ -111,7 +111,7 @@ class Lab:
         """Run one cell and return its trajectory; `times` are those of saved frames (default: the end)."""
         run = simulate(
             params, grid, state, t_end, save_at=tuple(times) or (t_end,), protocol=protocol, **settings
-        ), **given, **settings)
+        )
         if run.status == "interrupted":
             raise InputError("the run", "interrupted", "left to its end", "start the experiment again")
         return run

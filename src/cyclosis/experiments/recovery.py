@@ -89,7 +89,7 @@ def verdict(data: xarray.Dataset) -> Verdict:
     equal = worst < EQUAL
     text = (
         f"cyclosis returned in {in_words(share)} of {back.size} cells; its shift about the axis is"
-        f"{'' if uniform else ' not'} uniform (Rayleigh p = {test.rayleigh:.2f}, Kuiper p = {test.kuiper:.2f}), "
+        f"{'' if uniform else ' not'} uniform (Rayleigh p = {test.rayleigh:.2f}, Kuiper {test.kuiper:.2f}), "
         f"and widths differ from a half by at most {worst:.1e}"
     )
     good = share[0] > 0.5 and uniform and equal
