@@ -1,6 +1,6 @@
-"""Write the tables of settings and quantities from their definitions.
+"""Write the tables of settings and quantities from their definitions, and the claims from their data.
 
-python docs/generate.py            # writes docs/settings.md and docs/quantities.md
+python docs/generate.py            # writes docs/settings.md, docs/quantities.md and docs/claims.md
 """
 
 from __future__ import annotations
@@ -8,7 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+import xarray
+
 from cyclosis.analysis.diagnostics import QUANTITIES
+from cyclosis.experiments.catalogue import NAMES
+from cyclosis.experiments.experiment import OUTCOMES
 from cyclosis.model.definitions import TABLES, Definition
 from cyclosis.model.filaments import TERMS
 from cyclosis.model.interventions import ACTIONS, AT, SHAPES
@@ -120,7 +124,36 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|")
 
 
-PAGES = {"settings.md": settings, "quantities.md": quantities}
+def claims() -> str:
+    """Return the page of the paper's claims, from the datasets in docs/data/experiments."""
+    out = "<!-- Written by docs/generate.py from the datasets in data/experiments. -->\n\n"
+    out += "# The paper's claims\n\n"
+    out += "What Woodhouse & Goldstein (2013) claim of living cells and of their model, in our words, put to the\n"
+    out += "model cell by [virtual experiments](experiments.md): full form, with the numbers that decide.\n\n"
+    rows, tally = [], dict.fromkeys(OUTCOMES, 0)
+    for name in NAMES:
+        file = HERE / "data" / "experiments" / f"{name}.nc"
+        if not file.exists():
+            continue
+        with xarray.open_dataset(file, engine="h5netcdf") as data:
+            told = {key: str(value) for key, value in data.attrs.items()}
+        tally[told["verdict"]] += 1
+        picture = f"images/experiments/{name}.png"
+        rows.append(
+            f"## {name}: {told['verdict']}\n\n"
+            f"* **The paper** ({told['claim_source']}): {told['claim']}\n"
+            f"* **Done**: {told['method']} {told['seeds']} seeds, `{told['command']}`.\n"
+            f"* **Measured**: {told['measured']}.\n\n![{name}: the cell and what was measured]({picture})\n"
+        )
+    out += ", ".join(f"{count} {outcome}" for outcome, count in tally.items()) + ".\n\n"
+    out += "| claim | verdict |\n|---|---|\n"
+    for row in rows:
+        head, _, verdict = row.splitlines()[0].removeprefix("## ").partition(": ")
+        out += f"| [{head}](#{head}-{verdict.replace(' ', '-')}) | {verdict} |\n"
+    return out + "\n" + "\n".join(rows)
+
+
+PAGES = {"settings.md": settings, "quantities.md": quantities, "claims.md": claims}
 
 if __name__ == "__main__":
     for name, page in PAGES.items():
