@@ -128,8 +128,9 @@ def claims() -> str:
     """Return the page of the paper's claims, from the datasets in docs/data/experiments."""
     out = "<!-- Written by docs/generate.py from the datasets in data/experiments. -->\n\n"
     out += "# The paper's claims\n\n"
-    out += "What Woodhouse & Goldstein (2013) claim of living cells and of their model, in our words, put to the\n"
-    out += "model cell by [virtual experiments](experiments.md): full form, with the numbers that decide.\n\n"
+    out += "What Woodhouse & Goldstein (2013) claim of living cells and of their model, in our words, put\n"
+    out += "to the model cell by [virtual experiments](experiments.md): full form, with the numbers that\n"
+    out += "decide.\n\n"
     rows, tally = [], dict.fromkeys(OUTCOMES, 0)
     for name in NAMES:
         file = HERE / "data" / "experiments" / f"{name}.nc"

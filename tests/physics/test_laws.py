@@ -197,3 +197,15 @@ def test_exact_steady_states_stay_and_do_not_end_a_run():
         run = cy.simulate(p, laws.GRID, P, **laws.RUN)
         assert (run.status, run.t_final) == ("completed", laws.RUN["t_end"])
         np.testing.assert_allclose(run.final_state, P, atol=1e-14)
+
+
+@pytest.mark.parametrize("dealias", ["none", "full"])
+def test_nyquist_modes_stay_empty(dealias):
+    """In either direction, whatever the wavenumber in the other: fused transport feeds none of them."""
+    P = laws.state(0, "rough")
+    rate = cy.rate_of_change(laws.parameters(), laws.GRID, P, dealias=dealias)
+    spectrum = np.fft.fft2(rate, norm="forward")
+    n_theta, n_z = laws.GRID.shape
+    largest = np.abs(spectrum).max()
+    assert np.abs(spectrum[:, n_theta // 2]).max() < 1e-14 * largest
+    assert np.abs(spectrum[:, :, n_z // 2]).max() < 1e-14 * largest

@@ -50,7 +50,7 @@ class Space:
 
     @property
     def K(self) -> jax.Array:
-        """The wavenumbers m + i q, shape (n_theta, n_z), 0 on the Nyquist modes."""
+        """The wavenumbers m + i q, shape (n_theta, n_z), each 0 on the Nyquist modes of its direction."""
         return jax.lax.complex(*jnp.broadcast_arrays(self.m, self.q))
 
     @property
@@ -75,7 +75,7 @@ class Space:
     def to_spectrum(self, field: jax.Array) -> jax.Array:
         """Return the modes of a packed (or real) field on the fine grid that the grid has room for.
 
-        Nyquist modes are left in: all that follows multiplies by `keep` or K, which remove them.
+        Nyquist modes are left in: what follows multiplies by `keep`.
         """
         spectrum = jnp.fft.fft2(field.astype(self.packed))
         if self.fine == self.shape:
