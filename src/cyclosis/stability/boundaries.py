@@ -83,7 +83,7 @@ def _row(params: Parameters) -> tuple[float, float, float, float, float]:
     """Return existence, its error, stability, its error and the front's formula at one point."""
     onset = params.d_r + params.d_s
     alpha_p = float(params.alpha_p)
-    if abs(alpha_p / onset - 1) < ROUND:
+    if abs(alpha_p - onset) < ROUND * onset:
         params = params.replace(alpha_p=onset)
     ends = _pair(fold_with_error, params) if alpha_p <= onset * (1 + ROUND) else (0.0, 0.0)
     front = np.nan

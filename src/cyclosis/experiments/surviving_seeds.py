@@ -1,0 +1,250 @@
+"""Streaming returns with its old handedness, and in its old place, only if some bundles have survived."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from ..dynamics.protocol import Protocol
+from ..figures.story import Panel, cells, interval, reference, story
+from ..figures.style import DOWN, INK, QUIET, UP
+from ..model import initial
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
+from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
+from .lab import Lab, frames
+from .statistics import circular, in_words, proportion
+from .survivors import effect, shifts, within
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+GRID = CylinderGrid(48, 48, 5.0)
+FILAMENTS = 1000
+"""Filaments in every square of the grid, as in the paper."""
+ALL = FILAMENTS * GRID.n_theta * GRID.n_z
+ARREST, WASHED, END, QUICK_END = 5.0, 25.0, 125.0, 75.0
+TIMES = (ARREST - 1, ARREST, WASHED, WASHED + 12, END)
+
+# Shares are those of filaments that still point the old way: the mean of |P|.
+THINNED = (0.0, 1e-4, 2e-4, 4e-4, 7e-4, 1.2e-3, 2e-3, 5e-3)
+"""Shares that survive spread over both stripes, each filament having had the same chance."""
+QUICK_THINNED = (0.0, 4e-4, 5e-3)
+SQUARES = (0.0, 0.3, 0.6, 1.0, 2.0, 4.0, 12.0, 48.0)
+"""Squares of the grid that survive in one cable amid the upward stripe; 48 are the whole cable."""
+QUICK_SQUARES = (0.0, 1.0, 12.0)
+TOLD, TURNED = 12.0, 2.6
+"""How many the figure tells of, and about how far the zone of the cell without any has turned, in radians."""
+SPREAD_WAVE, CABLE_WAVE = 0.5 * np.pi, 2.0
+"""The wave once around the cell over the mean of |P|: of a sine, and of a cable where that is highest."""
+
+CHANCE_LEVEL = 0.01
+"""Level of significance of the tests that places are random."""
+MOST = 0.9
+"""Share of cells that must keep their handedness with most survivors; its interval must exclude chance."""
+NEAR = np.pi / 6
+"""Distance about the axis within which a place is the old one."""
+
+
+def measure(lab: Lab) -> xarray.Dataset:
+    """Return how far the zones of every cell are from their old place, and the frames of two cells."""
+    shares = np.array(QUICK_THINNED if lab.quick else THINNED)
+    squares = QUICK_SQUARES if lab.quick else SQUARES
+    spread = lab.sweep(
+        "thinned",
+        {
+            "initial": {"kind": "stripes", "filaments_per_square": FILAMENTS},
+            "axes": {"magnitude": {"values": list(SPREAD_WAVE * shares)}},
+            "run": {"t_end": 1000.0, "finish": "certified", "rtol": 1e-3},
+        },
+    )
+    cable = np.stack([_with_cable(lab, number) for number in squares])
+    found = _cells(lab, cable[0])
+    found["thinned_shift"] = ("thinned", "seed"), shifts(spread).astype(np.float32)
+    found["cable_shift"] = ("cable", "seed"), cable.astype(np.float32)
+    return found.assign_coords(thinned=shares, cable=np.array(squares) * FILAMENTS / ALL)
+
+
+def _with_cable(lab: Lab, squares: float) -> Array:
+    tables = {
+        "initial": {"kind": "stripes"},
+        "axes": {"alpha_u": {"values": [0.5]}},
+        "run": {"t_end": QUICK_END if lab.quick else END, "finish": "t_end", "rtol": 1e-3},
+        "protocol": steps(squares),
+    }
+    return shifts(lab.sweep(f"cable-{squares:g}", tables).isel(alpha_u=0))
+
+
+def steps(squares: float) -> list[dict[str, Any]]:
+    """Return what is done to a cell of which so many squares of one cable survive.
+
+    Below one square the filaments of that are thinned.
+    """
+    theta, z = 2 * np.pi / GRID.n_theta, GRID.length / GRID.n_z
+    end = min(np.ceil(squares) * z - 0.5 * z, GRID.length - 1e-6)
+    where = {
+        "shape": "box",
+        "theta0": 0.5 * np.pi - 0.5 * theta,
+        "theta1": 0.5 * np.pi + 0.5 * theta,
+        "z0": 0.0,
+        "z1": end,
+    }
+    cut: dict[str, Any] = {"at": ARREST, "action": "fragment", "filaments_per_square": FILAMENTS}
+    done = [{"at": ARREST, "action": "change", "alpha_p": 0.0}]
+    done.append(cut | {"where": where | {"invert": True}} if squares else cut)
+    if 0 < squares < 1:
+        done.append({"at": ARREST, "action": "depolymerise", "keep": squares, "where": where})
+    return [*done, {"at": WASHED, "action": "wash_out"}]
+
+
+def _cells(lab: Lab, without: Array) -> xarray.Dataset:
+    """Return frames of a cell of which a piece of cable survives, and of one without, which turned round.
+
+    Of the latter the one whose zone can be seen from where the cable can.
+    """
+    other = int(np.nanargmin(np.abs(np.nan_to_num(without, nan=-np.inf) - TURNED)))
+    told = []
+    for squares, seed, times in ((TOLD, 0, TIMES), (0.0, other, (END,))):
+        protocol = Protocol.from_tables(steps(squares), seed=seed)
+        run = lab.story(Parameters(), GRID, initial.stripes(GRID), END, times, protocol, rtol=1e-3)
+        told.append(frames(run, times))
+    return xarray.concat(told, "frame", combine_attrs="override", data_vars="minimal")
+
+
+def expected(data: xarray.Dataset, kind: str, share: Array | None = None) -> Array:
+    """Return the displacement a of the law of `survivors` at shares (n,), by default those measured."""
+    wave = {"thinned": SPREAD_WAVE, "cable": CABLE_WAVE}[kind]
+    shares = np.asarray(data[kind].values) if share is None else share
+    return np.asarray(wave * shares * np.sqrt(ALL))
+
+
+def counted(data: xarray.Dataset, kind: str, angle: float) -> tuple[Array, int]:
+    """Return how many cells came back within an angle of the old place, by share (n,), of how many each.
+
+    Cells without two stripes have not come back.
+    """
+    shift = np.asarray(data[f"{kind}_shift"].values)
+    return np.sum(np.abs(np.nan_to_num(shift, nan=np.inf)) < angle, axis=-1), shift.shape[-1]
+
+
+def verdict(data: xarray.Dataset) -> Verdict:
+    """Judge: without survivors the place is random; with some, handedness is kept; and how many it takes."""
+    random, kept, needed = [], [], []
+    lost = 0
+    for kind in ("thinned", "cable"):
+        shift = np.asarray(data[f"{kind}_shift"].values)
+        hand, total = counted(data, kind, 0.5 * np.pi)
+        back = shift[0][np.isfinite(shift[0])]
+        lost += int(np.isnan(shift).sum())
+        chance = proportion(int(np.sum(np.abs(back) < 0.5 * np.pi)), back.size) if back.size else (0.0,) * 3
+        test = circular(back) if back.size > 1 else None
+        even = chance[1] <= 0.5 <= chance[2] and test is not None
+        random.append(even and test is not None and min(test.rayleigh, test.kuiper) > CHANCE_LEVEL)
+        most = proportion(int(hand[-1]), total)
+        kept.append(most[0] > MOST and most[1] > 0.5)
+        factor = effect(expected(data, kind)[1:], hand[1:], np.full(hand[1:].shape, total))
+        needed.append((chance, most, test, factor))
+    (chance, most, test, spread), (cable_chance, cable_most, _, cable) = needed
+    text = (
+        f"without survivors {in_words(chance)} of {data.sizes['seed']} cells regain their handedness, and "
+        f"{in_words(cable_chance)} after the drug"
+    )
+    if test is not None:
+        text += f"; places are{'' if all(random) else ' not'} uniform (Kuiper p = {test.kuiper:.2f})"
+    text += (
+        f". With most survivors {in_words(most)} do (spread) and {in_words(cable_most)} (one cable); 95 % "
+        f"need {_share(spread, SPREAD_WAVE)} of all filaments, or {_share(cable, CABLE_WAVE)} in one cable: "
+        f"{_factor(spread)} and {_factor(cable)} times as effective as the law of the square root says"
+    )
+    if lost:
+        gone = proportion(lost, data["cable_shift"].size + data["thinned_shift"].size)
+        text += f". No two stripes came back in {in_words(gone)}"
+    good = AGREES if all(random) and all(kept) else IN_PART if any(random) and any(kept) else DOES_NOT
+    return Verdict(good, text)
+
+
+def _share(factor: tuple[float, float, float], wave: float) -> str:
+    """Return in words the share of filaments with which 95 % of cells keep their handedness."""
+    value, low, high = (1.645 / (wave * np.sqrt(ALL)) / max(r, 1e-9) for r in factor)
+    return f"{100 * value:.3f} % ({100 * high:.3f} to {100 * low:.3f} %)"
+
+
+def _factor(factor: tuple[float, float, float]) -> str:
+    return f"{factor[0]:.2f} ({factor[1]:.2f} to {factor[2]:.2f})"
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Draw a cell of which a piece of cable survives, one without, and what the seeds say by share."""
+    times = np.asarray(data["frame_time"].values)
+    titles = [f"$t$ = {time:g}" for time in times]
+    for k, name in ((0, ", before"), (1, ", fragmented"), (2, ", washed out")):
+        titles[k] += name
+    titles[-2], titles[-1] = f"$t$ = {times[-2]:g}, as before", f"no survivors, $t$ = {times[-1]:g}"
+
+    def kept(ax: Any, angle: float, chance: str, label: str) -> None:
+        x = np.geomspace(8e-5, 6e-3, 200)
+        for kind, colour, name in (("cable", UP, "in one cable"), ("thinned", DOWN, "spread evenly")):
+            ax.plot(
+                100 * x, 100 * within(angle, expected(data, kind, x)), color=colour, lw=0.9, ls=(0, (4, 2))
+            )
+            hand, total = counted(data, kind, angle)
+            share = np.asarray(data[kind].values)
+            shown = share < x[-1]
+            value, low, high = 100 * np.array([proportion(int(n), total) for n in hand[shown]]).T
+            place = np.where(share[shown] > 0, 100 * share[shown], 4e-3 * (1.12 if kind == "cable" else 1))
+            interval(ax, place[1:], value[1:], low[1:], high[1:], colour, name)
+            interval(ax, place[:1], value[:1], low[:1], high[:1], colour)
+        reference(ax, 100 * angle / np.pi, chance)
+        ax.set_xscale("log")
+        ax.set_xlim(3e-3, 0.7)
+        ax.set_xticks([4.2e-3, 0.01, 0.1, 0.5], ["none", "0.01", "0.1", "0.5"])
+        ax.minorticks_off()
+        ax.set_ylim(-3, 104)
+        ax.set_xlabel("filaments that survive, %", labelpad=1.0)
+        ax.set_ylabel(label, labelpad=1.0)
+
+    def handed(ax: Any) -> None:
+        kept(ax, 0.5 * np.pi, "chance", "handedness kept, % of cells")
+        ax.plot([], [], color=QUIET, lw=0.9, ls=(0, (4, 2)), label="theory")
+        ax.legend(fontsize=8.0, frameon=False, loc="lower right", borderpad=0, handlelength=1.4)
+
+    def placed(ax: Any) -> None:
+        kept(ax, NEAR, "chance", "zone within 30° of its place, %")
+
+    def places(ax: Any) -> None:
+        bins = np.linspace(-np.pi, np.pi, 13)
+        some = int(np.argmin(np.abs(np.asarray(data["thinned"].values) - 1.2e-3)))
+        for k, colour, fill in ((some, DOWN, True), (0, INK, False)):
+            shift = np.asarray(data["thinned_shift"].values)[k]
+            share = 100 * float(data["thinned"].values[k])
+            style: dict[str, Any] = {"color": colour, "edgecolor": "white", "linewidth": 0.5}
+            if not fill:
+                style = {"histtype": "step", "edgecolor": colour, "linewidth": 1.2}
+            name = f"{share:.2g} % survive" if share else "none"
+            ax.hist(shift[np.isfinite(shift)], bins, label=name, **style)
+        ax.set_xticks([-np.pi, 0, np.pi], ["−π", "0", "π"])
+        ax.set_xlim(-np.pi, np.pi)
+        ax.set_xlabel("shift of the zone, radians", labelpad=1.0)
+        ax.set_ylabel("cells", labelpad=1.0)
+        ax.legend(fontsize=8.0, frameon=False, loc="upper left", borderpad=0, handlelength=1.2)
+
+    return story(cells(data, titles), [Panel(handed), Panel(placed), Panel(places)], str(verdict(data)))
+
+
+EXPERIMENT = Experiment(
+    name="surviving-seeds",
+    claim="After their bundles have been broken up, cells stream again with the old handedness, and in the "
+    "old place, only if some bundles outlived the treatment.",
+    source="Introduction (Ryu et al. 1995, on Vallisneria)",
+    method="Two stripes are thinned to 0 to 0.5 % of their filaments amid 1000 disordered ones a square, and "
+    "followed to their certain end; or, with bundling stopped for 20 R/U, all is fragmented but a piece of "
+    "one cable, 0 to 2 % of the filaments, and cells are looked at 100 R/U after. The zone's shift is "
+    "compared with a phase that survivors must win against the square root of all filaments.",
+    seeds=200,
+    quick_seeds=12,
+    measure=measure,
+    verdict=verdict,
+    draw=draw,
+)
