@@ -1,11 +1,12 @@
-"""Cables that turn around the axis: the share of order, the onset of a tilt, and the verdict on made-up data."""
+"""Cables that turn around the axis: shares of order, the onset of a tilt, and verdicts on made-up data."""
 
 import numpy as np
 import pytest
 import xarray
 
 from cyclosis.analysis.regimes import REGIMES
-from cyclosis.experiments.circumferential import EXPERIMENT, around, onset, tilt_growth, verdict, where
+from cyclosis.experiments.circumferential import EXPERIMENT, onset, verdict
+from cyclosis.experiments.cues import around, tilt_growth, where
 from cyclosis.model import initial
 from cyclosis.model.grid import CylinderGrid
 

@@ -3,6 +3,7 @@ import pytest
 import xarray
 
 from cyclosis.analysis.zones import indifferent_zones
+from cyclosis.experiments import helices
 from cyclosis.experiments import twist as done
 from cyclosis.model.grid import CylinderGrid
 
@@ -10,7 +11,7 @@ from cyclosis.model.grid import CylinderGrid
 def made_up(short=0, long=0, persist=1.0, seeds=40):
     """Return a dataset in which so many of the short and of the long cells are helical."""
     grid = CylinderGrid(16, 16, 10.0)
-    P = np.stack([done.wound(grid, turns) for turns in (0, 1, 1, 1)]).astype(np.float32)
+    P = np.stack([helices.wound(grid, turns) for turns in (0, 1, 1, 1)]).astype(np.float32)
     dims = ("frame", "component", "theta", "z")
     data = xarray.Dataset({"P": (dims, P), "u": (dims, P)})
     data = data.assign_coords(frame_time=("frame", [250.0, 10.0, 30.0, 250.0]))
@@ -35,23 +36,23 @@ def made_up(short=0, long=0, persist=1.0, seeds=40):
 @pytest.mark.parametrize("turns", [-2, -1, 0, 1, 2])
 def test_windings_and_tilts_of_prepared_stripes(turns):
     grid = CylinderGrid(48, 48, 12.0)
-    state = done.wound(grid, turns)
-    assert done.winding(zone.winding for zone in indifferent_zones(grid, state)) == turns
-    assert done.filament_tilt(state) == pytest.approx(np.arctan(2 * np.pi * turns / 12))
+    state = helices.wound(grid, turns)
+    assert helices.winding(zone.winding for zone in indifferent_zones(grid, state)) == turns
+    assert helices.filament_tilt(state) == pytest.approx(np.arctan(2 * np.pi * turns / 12))
 
 
 @pytest.mark.parametrize("zones", [[], [(1, 0), (-1, 0)], [(0, 1)], [(0, 1), (1, -1)], [(0, 1)] * 4])
 def test_what_is_no_pair_of_zones_has_no_winding(zones):
-    assert np.isnan(done.winding(zones))
+    assert np.isnan(helices.winding(zones))
 
 
 def test_closed_loops_do_not_count():
-    assert done.winding([(1, -1), (0, 0), (-1, 1)]) == 1
+    assert helices.winding([(1, -1), (0, 0), (-1, 1)]) == 1
 
 
 def test_speeds_along_the_easy_direction_begin_with_those_of_upright_stripes():
-    assert done.speed_along(0.0) == pytest.approx(0.9714276568, abs=1e-8)
-    assert done.speed_along(0.5) < done.speed_along(0.2) < done.speed_along(0.0)
+    assert helices.speed_along(0.0) == pytest.approx(0.9714276568, abs=1e-8)
+    assert helices.speed_along(0.5) < helices.speed_along(0.2) < helices.speed_along(0.0)
 
 
 @pytest.mark.parametrize(

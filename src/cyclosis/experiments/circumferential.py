@@ -8,35 +8,26 @@ import numpy as np
 import xarray
 
 from ..analysis.regimes import DOMINANT, REGIMES
-from ..dynamics.protocol import Protocol, change
-from ..dynamics.simulate import simulate
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, LEGEND, UP
-from ..model import initial, regions
-from ..model.grid import Array, CylinderGrid
+from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability import orders, tilt_threshold
+from .cues import END, GRID, NOISE, TREATED, TREATMENTS, band, cell, tilt_growth
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
-from .lab import Lab, frames
+from .lab import Lab
 from .statistics import in_words, proportion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..dynamics.trajectory import Trajectory
-
-TREATMENTS = {"lost": {"kappa": 0.0}, "turned": {"repulsion_angle": 0.5 * np.pi}}
-"""What becomes of the cue: nothing is avoided any more, or the direction along the cell is."""
 NAMES = {"lost": "cue lost, κ = 0", "turned": "cue turned, d = e$_z$"}
 COLOURS = {"lost": UP, "turned": DOWN}
-NOISE = 4000.0
 NOISY = {"magnitude": 0.9, "filaments_per_square": NOISE}
 STARTS = {"established": {"kind": "stripes"} | NOISY, "disorder": {"kind": "disordered"}}
 LATE = 400.0
 """Time at which a cell that has come to no certain end is looked at."""
 
-TREATED, END = 20.0, 150.0
-"""Times at which a band of an established cell is treated, and is looked at."""
 TIMES = (TREATED - 1, TREATED + 35, END)
 HALF = 2.5
 """Length of the band, half of the cell's, in which probabilities are measured."""
@@ -46,9 +37,8 @@ BAND_SEEDS = 3
 
 TIPPED, TIPPED_LATE = (0.45, 0.8), 300.0
 """Values of alpha_u on either side of where unidirectional order tips over, from which cells are followed."""
-GROWING, BETWEEN, SMALL = (0.2, 0.35, 0.45, 0.55, 0.65, 0.8), (2.0, 12.0), 1e-4
-"""Values of alpha_u at which a small tilt is timed, the times between which, and its size."""
-GRID = CylinderGrid(48, 48, 5.0)
+GROWING = (0.2, 0.35, 0.45, 0.55, 0.65, 0.8)
+"""Values of alpha_u at which a small tilt is timed."""
 
 
 def measure(lab: Lab) -> xarray.Dataset:
@@ -104,47 +94,6 @@ def _cells(lab: Lab) -> xarray.Dataset:
     return xarray.concat(told, "frame", combine_attrs="override", data_vars="minimal")
 
 
-def cell(treatment: str, length: float, times: tuple[float, ...]) -> xarray.Dataset:
-    """Return the frames at some times of a cell of which a band of a length is treated."""
-    return frames(treated(treatment, length, 1, times), times)
-
-
-def band(treatment: str, length: float, seed: int) -> tuple[float, float]:
-    """Return the share of order that runs around the axis in a treated band of a length, and outside it."""
-    mask = where(length).mask(GRID)
-    last = treated(treatment, length, seed, (END,)).frames[-1]
-    return around(last, mask), around(last, ~mask)
-
-
-def where(length: float) -> regions.Region:
-    """Return the band of a length in the middle of the cell."""
-    return regions.band("z", 0.5 * (GRID.length - length), 0.5 * (GRID.length + length))
-
-
-def treated(treatment: str, length: float, seed: int, times: tuple[float, ...]) -> Trajectory:
-    """Return the run of an established cell of which a band is treated."""
-    protocol = Protocol(change(at=TREATED, where=where(length), **TREATMENTS[treatment]))
-    start = initial.with_noise(initial.stripes(GRID), GRID, NOISE, seed)
-    return simulate(Parameters(), GRID, start, END, save_at=times, protocol=protocol, rtol=1e-3)
-
-
-def around(state: Array, mask: regions.Mask) -> float:
-    """Return the share of <|P|²> in P_theta of a state (2, n_theta, n_z) where a mask is true."""
-    square = state[:, mask] ** 2
-    return float(square[0].sum() / square.sum())
-
-
-def tilt_growth(alpha_u: float) -> float:
-    """Return the growth rate of a small uniform tilt of unidirectional order."""
-    params = Parameters(alpha_u=alpha_u)
-    grid = CylinderGrid(8, 8, 5.0)
-    state = initial.unidirectional(grid, orders(params, "unidirectional")[0])
-    state[0] = SMALL
-    run = simulate(params, grid, state, BETWEEN[1], save_at=BETWEEN, rtol=1e-8)
-    first, last = (float(run.frames[k][0].mean()) for k in (-2, -1))
-    return float(np.log(last / first) / (BETWEEN[1] - BETWEEN[0]))
-
-
 def turned(data: xarray.Dataset, treatment: str, start: str) -> tuple[float, float, float]:
     """Return the share of cells, with its interval, that stream around the axis in one direction."""
     at = data.sel(treatment=treatment, start=start)
@@ -175,6 +124,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
         proportion(int((tipped == REGIMES.index(name)).sum()), tipped.size)
         for name in ("circumferential", "cyclosis")
     ]
+    held = half["lost"][2] < 0.5 < half["turned"][1]
+    neighbours = ": where a part lacks the cue its neighbours hold its cables, it needs a cue of its own"
     text = (
         f"with κ = 0 established cells come to stream around the axis in {in_words(whole['lost'][0])} of "
         f"{data.sizes['seed']}, disordered ones in {in_words(whole['lost'][1])} (|<P_θ>| = {mean:.4f}, "
@@ -182,12 +133,10 @@ def verdict(data: xarray.Dataset) -> Verdict:
         f"{in_words(whole['turned'][1])}. Half a cell treated alone turns around (80 % of its order) in "
         f"{in_words(half['turned'])} with d turned, {inside['turned']:.0f} % of the order, "
         f"{'but' if half['lost'][2] < 0.5 else 'and'} in {in_words(half['lost'])} with κ = 0, "
-        f"{inside['lost']:.0f} %. Unidirectional order tips from α_u = {onset(data):.4f} on (theory "
+        f"{inside['lost']:.0f} %{neighbours if held else ''}. Unidirectional order tips from α_u = {onset(data):.4f} on (theory "
         f"{float(data['theory_tilt']):.4f}), at {TIPPED[-1]:g} into cyclosis in {in_words(ends[1])}, around "
         f"the axis in {in_words(ends[0])}"
     )
-    if half["lost"][2] < 0.5 < half["turned"][1]:
-        text += ": where a part lacks the cue its neighbours hold its cables; it needs a cue of its own"
     if whole["lost"][0][2] < 0.5 and whole["turned"][0][2] < 0.5:
         return Verdict(DOES_NOT, text)
     shares = [share for both in whole.values() for share in both] + list(half.values())

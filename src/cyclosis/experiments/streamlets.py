@@ -79,8 +79,8 @@ def domain_size(grid: CylinderGrid, P: Array) -> float:
 def expected_size(params: Parameters, time: npt.ArrayLike) -> Array:
     """Return the domain size of disorder that grows by the linear equation, 4 (d_s t)^½.
 
-    Waves of P_z grow at a - d_s k², so that white noise becomes a normal field whose slope has the variance
-    1/(4 d_s t) that of the field; by Rice's formula half the root of that is the length of its zeros per area.
+    Waves of P_z grow at a - d_s k², so that white noise becomes a normal field whose slope has 1/(4 d_s t)
+    times its variance; by Rice's formula half the root of that is the length of its zeros per area.
     """
     return np.asarray(4 * np.sqrt(params.d_s * np.asarray(time, dtype=np.float64)))
 
@@ -128,7 +128,7 @@ def stops(speed: Array) -> Array:
 
 
 def reached(times: npt.ArrayLike, values: npt.ArrayLike, level: float) -> float:
-    """Return the first time at which a course (n,) reaches a level, between samples linearly; NaN if never."""
+    """Return the first time at which a course (n,) reaches a level, linear between samples; NaN if never."""
     t, x = np.asarray(times, dtype=np.float64), np.asarray(values, dtype=np.float64)
     above = x >= level
     if not above.any():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +16,8 @@ from ..model import initial
 from ..model.grid import Array, CylinderGrid, interpolate
 from ..model.parameters import Parameters
 from ..model.system import flow
-from ..stability import cyclosis, steady_state
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
+from .helices import filament_tilt, leaning, speed_along, winding, wound
 from .lab import Lab
 from .statistics import in_words, median_interval, proportion
 
@@ -102,7 +101,7 @@ def grow(tilt: float, length: float, seed: int) -> tuple[float, float, float]:
 def helix(tilt: float) -> tuple[float, float, float]:
     """Return the same of a prepared helix along the easy direction, with noise, in a cell of one pitch.
 
-    It turns with the axis, so that as many points resolve it along the cell as around it.
+    It turns once along the cell, so that as many points resolve it along the cell as around it.
     """
     params = Parameters(repulsion_angle=tilt)
     grid = CylinderGrid(48, 48, float(2 * np.pi / np.tan(tilt)))
@@ -111,51 +110,9 @@ def helix(tilt: float) -> tuple[float, float, float]:
     return _numbers(params, grid, run.final_state)
 
 
-def wound(grid: CylinderGrid, turns: int, magnitude: float = 0.8) -> Array:
-    """Return two stripes that wind about the axis `turns` times to the left, with filaments along them."""
-    angle = np.arctan(2 * np.pi * turns / grid.length)
-    phase = grid.theta[:, None] + 2 * np.pi * turns * grid.z[None, :] / grid.length
-    return magnitude * np.stack([-np.sin(angle) * np.sin(phase), np.cos(angle) * np.sin(phase)])
-
-
 def _numbers(params: Parameters, grid: CylinderGrid, P: Array) -> tuple[float, float, float]:
     speed = float(diagnose(params, grid, P)["peak_speed"])
     return winding(zone.winding for zone in indifferent_zones(grid, P)), filament_tilt(P), speed
-
-
-def winding(zones: Iterable[tuple[int, int]]) -> float:
-    """Return how often two zones go round on their way along the cell, to the left, from their windings.
-
-    NaN unless there are just two, alike, that run along the cell. Closed loops do not count.
-    """
-    open_ones = [turns for turns in zones if turns != (0, 0)]
-    if len(open_ones) != 2 or any(abs(along) != 1 for _, along in open_ones):
-        return float("nan")
-    first, second = (-around * along for around, along in open_ones)
-    return float(first) if first == second else float("nan")
-
-
-def filament_tilt(P: Array) -> float:
-    """Return the angle to the left of the axis, in radians, of the line along which P (2, ...) mostly lies."""
-    across, along, mixed = np.mean(P[0] ** 2), np.mean(P[1] ** 2), np.mean(P[0] * P[1])
-    return float(0.5 * np.arctan2(-2 * mixed, along - across))
-
-
-def leaning(tilt: float) -> float:
-    """Return the tilt of the filaments of the steady state with straight zones, in theory."""
-    grid = CylinderGrid(48, 8, 5.0)
-    return filament_tilt(steady_state(Parameters(repulsion_angle=tilt), grid, wound(grid, 0)).state)
-
-
-def speed_along(tilt: float) -> float:
-    """Return the peak speed of stripes along the easy direction of a tilted d, in theory.
-
-    They are those of d = e_theta, as far apart as a cut at right angles to them is long: 2π cos(tilt), for
-    which lengths in d_s and μ are measured in cos(tilt).
-    """
-    narrower, params = np.cos(tilt) ** 2, Parameters()
-    params = params.replace(d_s=params.d_s / narrower, mu=params.mu / narrower)
-    return float(np.abs(cyclosis(params).u).max())
 
 
 def verdict(data: xarray.Dataset) -> Verdict:

@@ -10,13 +10,17 @@ import numpy.typing as npt
 from ..analysis.diagnostics import diagnose
 from ..dynamics.simulate import simulate
 from ..model import initial
-from ..model.grid import Array, CylinderGrid
+from ..model.errors import InputError
+from ..model.grid import Array, CylinderGrid, interpolate
 from ..model.parameters import Parameters
+from ..model.system import flow
 from ..stability import cyclosis
 
 PARAMS = Parameters(alpha_p=1.0, alpha_u=0.5)
 POINTS = 9.6
 """Grid points a radius along the axis: those of 48 points in a cell of length 5."""
+POINTS_OF_THEORY = 128
+"""Points around the axis on which the neutral rotation is neutral to 1e-8, below all rates here."""
 UNFELT = 1e-4
 """Slope below which zones are straight to what steps and grid can tell."""
 
@@ -27,26 +31,45 @@ def grid_of(length: float) -> CylinderGrid:
 
 
 class Course(NamedTuple):
-    """One cell at given times: share of circles with two zones (times,), root mean square slope of the
-    pattern (times,), turns of it along the cell at the end, and the spectral tail there.
+    """One cell at given times.
+
+    `paired` is the share of circles with two zones (times,), `slope` the root mean square slope of the
+    pattern (times,), `winding` its turns along the cell (times,), `tail` the spectral tail at the end.
     """
 
     paired: Array
     slope: Array
-    winding: int
+    winding: Array
     tail: float
 
 
 def follow(length: float, seed: int, times: tuple[float, ...]) -> Course:
     """Return the `Course` of a disordered cell at increasing `times`, the last of which ends it."""
     grid = grid_of(length)
-    state = initial.disordered(grid, seed=seed)
-    run = simulate(PARAMS, grid, state, times[-1], save_at=times, rtol=1e-3)
-    states = [run.frames[k] for k in range(len(run.times) - len(times), len(run.times))]
+    states = _states(grid, seed, times)
     paired = np.array([two_zones(P) for P in states])
     slopes = np.array([slope(P, length) for P in states])
     tail = float(diagnose(PARAMS, grid, states[-1])["spectral_tail"])
-    return Course(paired, slopes, int(np.rint(_turns(states[-1]).sum() / (2 * np.pi))), tail)
+    windings = np.rint([_turns(P).sum() / (2 * np.pi) for P in states])
+    return Course(paired, slopes, windings, tail)
+
+
+def picture(
+    length: float, seed: int, times: tuple[float, ...], shape: tuple[int, int]
+) -> tuple[Array, Array]:
+    """Return P and u (times, 2, *shape) of the cell that `follow` follows, on a grid of another shape."""
+    grid = grid_of(length)
+    states = _states(grid, seed, times)
+    flows = [flow(PARAMS, grid, P) for P in states]
+    return np.array([interpolate(P, shape) for P in states]), np.array([interpolate(u, shape) for u in flows])
+
+
+def _states(grid: CylinderGrid, seed: int, times: tuple[float, ...]) -> list[Array]:
+    state = initial.disordered(grid, seed=seed)
+    run = simulate(PARAMS, grid, state, times[-1], save_at=times, rtol=1e-3)
+    if run.status not in ("completed", "steady"):
+        raise InputError("the run", run.status, "completed", "take more points a radius")
+    return [run.frames[k] for k in range(len(run.times) - len(times), len(run.times))]
 
 
 def two_zones(P: Array) -> float:
@@ -82,5 +105,5 @@ def decay(slopes: npt.ArrayLike, times: npt.ArrayLike) -> float:
 
 def straightening(length: float) -> float:
     """Return the rate, by theory, at which the longest wave of two stripes along a cell decays."""
-    modes = cyclosis(PARAMS, 64).spectrum(1, axial_mode=1, length=length)
+    modes = cyclosis(PARAMS, POINTS_OF_THEORY).spectrum(1, axial_mode=1, length=length)
     return float(-modes.eigenvalues[0].real)

@@ -1,0 +1,214 @@
+"""Local damage heals by and by, and the pattern comes back as it was; what if bundling is inhibited."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from ..figures.story import Panel, cells, interval, reference, story
+from ..figures.style import DOWN, INK, UP
+from ..model import regions
+from ..model.grid import Array
+from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
+from .lab import Lab, frames
+from .statistics import in_words, median_interval, proportion
+from .wounds import BEGIN, DRUGS, GRID, MEASURES, MIDDLE, SINCE, by_old_flow, healing, wounded
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RADII = {
+    "none": (0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0, 3.4),
+    "everywhere": (0.6, 1.5, 2.5, 3.0, 3.4),
+    "in the wound": (0.6, 1.5),
+}
+"""Sizes of wounds, by where bundling is inhibited."""
+QUICK_RADII = {"none": (0.6, 1.5, 3.0), "everywhere": (0.6, 3.4), "in the wound": (0.6,)}
+LOCAL = 0.5
+"""Share of the surface up to which damage is local."""
+SAME = 0.1
+"""Radians by which zones may have moved in a pattern that is the same."""
+GRADUAL = 0.02
+"""How much order inside may fall back on its way."""
+MOST = 0.9
+"""Share of local wounds of every size that must heal so."""
+BAND = (0.05, 0.5, 0.95)
+"""Quantiles over seeds of the courses that are kept."""
+COURSES = (0.6, 1.5, 3.0)
+"""Sizes whose courses are drawn, as far as they are measured."""
+TOLD, TOLD_AT, LARGE = 1.5, np.pi - 0.3, 3.0
+"""Size and angle of the wound that the figure tells of, and the size of the large one at its end."""
+TOLD_SINCE = (0.0, 1.0, 2.0, 60.0)
+
+
+def measure(lab: Lab) -> xarray.Dataset:
+    """Return what became of every wound, the courses of order inside, and frames of two cells."""
+    sizes = QUICK_RADII if lab.quick else RADII
+    cases = [(drug, radius) for drug in DRUGS for radius in sizes[drug]]
+    items = [(seed, radius, drug) for drug, radius in cases for seed in range(lab.seeds)]
+    rows = np.array(lab.each("wounds", healing, items)).reshape(len(cases), lab.seeds, -1)
+    measured, course = rows[..., : len(MEASURES)], rows[..., len(MEASURES) :]
+    radius = np.array([case[1] for case in cases])
+    moved = measured[cases.index(("none", LARGE)), :, MEASURES.index("shift")]
+    found = _cells(int(np.argmax(np.abs(moved))))
+    found["measured"] = ("case", "seed", "measure"), measured.astype(np.float32)
+    found["course"] = ("case", "quantile", "since"), np.quantile(course, BAND, axis=1).swapaxes(0, 1)
+    found["by_old_flow"] = "case", [by_old_flow(each, min(lab.seeds, 50)) for each in radius]
+    share = [float(regions.disc(TOLD_AT, MIDDLE, each).mask(GRID).mean()) for each in radius]
+    return found.assign_coords(
+        drug=("case", [case[0] for case in cases]),
+        radius=("case", radius),
+        share=("case", share),
+        measure=list(MEASURES),
+        quantile=list(BAND),
+        since=SINCE,
+    )
+
+
+def _cells(displaced: int) -> xarray.Dataset:
+    """Return frames of a cell with a wound, and the end of that whose large wound displaced the zone most."""
+    run = wounded(1, TOLD, "none", TOLD_AT)
+    told = frames(run, [0.0, *(BEGIN + since for since in TOLD_SINCE)])
+    end = frames(wounded(displaced, LARGE, "none"), [BEGIN + SINCE[-1]])
+    return xarray.concat([told, end], "frame", combine_attrs="override", data_vars="minimal")
+
+
+def of(data: xarray.Dataset, drug: str, name: str) -> Array:
+    """Return a measure of the wounds with a drug (case, seed), in double precision."""
+    chosen = np.asarray(data["drug"].values) == drug
+    return np.asarray(data["measured"].sel(measure=name).values, dtype=np.float64)[chosen]
+
+
+def along(data: xarray.Dataset, drug: str, name: str) -> Array:
+    """Return a coordinate, or another number of each case, of the wounds with a drug (case,)."""
+    return np.asarray(data[name].values)[np.asarray(data["drug"].values) == drug]
+
+
+def same(data: xarray.Dataset, drug: str) -> Array:
+    """Return which wounds have healed to the pattern of before (case, seed)."""
+    healed = np.isfinite(of(data, drug, "healed after"))
+    return healed & (of(data, drug, "stripes") > 0) & (np.abs(of(data, drug, "shift")) < SAME)
+
+
+def _shares(good: Array) -> list[tuple[float, float, float]]:
+    return [proportion(int(row.sum()), row.size) for row in good]
+
+
+def verdict(data: xarray.Dataset) -> Verdict:
+    """Judge: local wounds heal, to the same pattern, and order inside grows without falling back."""
+    share = along(data, "none", "share")
+    local = share <= LOCAL
+    back, after = same(data, "none"), of(data, "none", "healed after")
+    gradual = of(data, "none", "fall") < GRADUAL
+    heal, rise = _shares(back[local]), _shares((back & gradual)[local])
+    worst = min(heal)
+    times = [_healed(row) for row in after[local]]
+    coherent = median_interval(of(data, "none", "coherence")[local].ravel())
+    text = (
+        f"wounds of {100 * share[local][0]:.0f} to {100 * share[local][-1]:.0f} % of the surface heal to the "
+        f"same pattern in at least {in_words(worst)} of {back.shape[1]} cells, the smallest after "
+        f"{times[0]} R/U and the largest after {times[-1]}; when half of the order is back it lies along the "
+        f"old one to {coherent[0]:.2f} ({coherent[1]:.2f} to {coherent[2]:.2f})"
+    )
+    if not local.all():
+        k = int(np.argmin(back.mean(axis=1)))
+        text += f". Of {100 * share[k]:.0f} % only {in_words(_shares(back)[k])} do: the pattern comes to lie elsewhere"
+    text += "." + _inhibited(data)
+    good = [value > MOST and low > 0.5 for value, low, _ in heal]
+    steady = [value > MOST and low > 0.5 for value, low, _ in rise]
+    return Verdict(AGREES if all(steady) else IN_PART if all(good) or any(steady) else DOES_NOT, text)
+
+
+def _healed(after: Array) -> str:
+    """Return in words the median of times, in which wounds that never heal are infinite."""
+    value, low, high = median_interval(np.nan_to_num(after, nan=np.inf))
+    return f"{value:.1f} ({low:.1f} to {high:.1f})"
+
+
+def _inhibited(data: xarray.Dataset) -> str:
+    """Return in words what wounds do while bundling is inhibited."""
+    after, stripes = of(data, "everywhere", "healed after"), of(data, "everywhere", "stripes") > 0
+    share = along(data, "everywhere", "share")
+    small = proportion(int(np.isfinite(after[0]).sum()), after[0].size)
+    last = proportion(int(stripes[-1].sum()), stripes[-1].size)
+    inside = of(data, "in the wound", "healed after")[0]
+    nearby = proportion(int(np.isfinite(inside).sum()), inside.size)
+    return (
+        f" Without bundling {in_words(small)} of those of {100 * share[0]:.0f} % heal, after "
+        f"{_healed(after[0])}, {in_words(nearby)} if only the wound lacks it, after {_healed(inside)}; "
+        f"streaming survives a wound of {100 * share[-1]:.0f} % in {in_words(last)}"
+    )
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Draw a cell that heals, order inside over time, how long it takes, and what bundling has to do with it."""
+    titles = ["before", *(f"wound, $t$ = {since:g}" for since in TOLD_SINCE)]
+    titles[2:] = [title.removeprefix("wound, ") for title in titles[2:]]
+    titles.append("after a large wound")
+
+    def courses(ax: Any) -> None:
+        since = np.asarray(data["since"].values)
+        sizes = along(data, "none", "radius")
+        chosen = [size for size in COURSES if size in sizes]
+        for size, colour in zip(chosen, (UP, DOWN, INK), strict=False):
+            low, middle, high = along(data, "none", "course")[int(np.flatnonzero(sizes == size)[0])]
+            ax.fill_between(since, low, high, color=colour, alpha=0.2, linewidth=0)
+            ax.plot(since, middle, color=colour, linewidth=1.1, label=f"radius {size:g}")
+        ax.axhline(1.0, color=INK, linewidth=0.5, linestyle=":")
+        ax.set_xlim(0, 12)
+        ax.set_ylim(0, 1.05)
+        ax.set_xlabel("time since the wound, $R/U$", labelpad=1.0)
+        ax.set_ylabel("order inside, along the old", labelpad=1.0)
+        ax.legend(fontsize=8.0, frameon=False, loc="lower right", borderpad=0, handlelength=1.2)
+
+    def lasting(ax: Any) -> None:
+        for drug, colour, name in (("everywhere", DOWN, "no bundling"), ("none", UP, "with bundling")):
+            after = np.nan_to_num(of(data, drug, "healed after"), nan=np.inf)
+            each = np.array([median_interval(row) for row in after])
+            shown = np.isfinite(each[:, 0])
+            each[~np.isfinite(each)] = SINCE[-1]
+            interval(ax, 100 * along(data, drug, "share")[shown], *each[shown].T, colour, name)
+        flow_alone = along(data, "none", "by_old_flow")
+        reference(ax, float(np.median(flow_alone)), "theory, old flow")
+        ax.set_yscale("log")
+        ax.set_yticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
+        ax.minorticks_off()
+        ax.set_xlim(-3, 100)
+        ax.set_ylim(0.7, 70)
+        ax.set_xlabel("wound, % of the surface", labelpad=1.0)
+        ax.set_ylabel("healed after, $R/U$", labelpad=1.0)
+        ax.legend(fontsize=8.0, frameon=False, loc="upper left", borderpad=0, handlelength=1.2)
+
+    def kept(ax: Any) -> None:
+        shown = (
+            (same(data, "none"), "none", UP, "same pattern"),
+            (of(data, "everywhere", "stripes") > 0, "everywhere", DOWN, "streams, no bundling"),
+        )
+        for good, drug, colour, name in shown:
+            value, low, high = 100 * np.array(_shares(good)).T
+            interval(ax, 100 * along(data, drug, "share"), value, low, high, colour, name)
+        ax.set_xlim(-3, 100)
+        ax.set_ylim(-3, 104)
+        ax.set_xlabel("wound, % of the surface", labelpad=1.0)
+        ax.set_ylabel("cells, %", labelpad=1.0)
+        ax.legend(fontsize=8.0, frameon=False, loc="lower left", borderpad=0, handlelength=1.2)
+
+    panels = [Panel(courses), Panel(lasting), Panel(kept)]
+    return story(cells(data, titles), panels, str(verdict(data)))
+
+
+EXPERIMENT = Experiment(
+    name="wound",
+    claim="Local damage of the actin network heals in a gradual, organised way; the network grows back.",
+    source="Introduction (Foissner et al. 1996, Foissner & Wasteneys 1997)",
+    method="In a streaming cell all filaments in a disc, anywhere around the cell, are fragmented to 1000 a "
+    "square. The wound counts as healed once order inside, along that of a cell without it, stays above 90 %. "
+    "The same is done with bundling inhibited from then on, everywhere or inside only; 60 R/U are followed.",
+    seeds=200,
+    quick_seeds=6,
+    measure=measure,
+    verdict=verdict,
+    draw=draw,
+)
