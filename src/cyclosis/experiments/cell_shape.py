@@ -204,15 +204,20 @@ def draw(data: xarray.Dataset) -> Figure:
         )  # fmt: skip
 
     def bends(ax: Any) -> None:
-        lowest = 1e-3
+        lowest, ends = 1e-3, {}
         shade = np.linspace(0.85, 0.0, len(length))
-        for k, (one, grey) in enumerate(zip(length, shade, strict=True)):
-            middle = data["slope"].sel(length=one).median("seed")
+        for one, grey in zip(length, shade, strict=True):
+            middle = np.asarray(data["slope"].sel(length=one).median("seed").values)
             ax.plot(data["time"], middle, color=(grey, 0.75 * grey, 0.9 * grey), linewidth=1.1)
-            seen = int(np.sum(middle.values > lowest)) - 1
-            # Labels in two columns, since long cells end close together.
-            mark = f" {one:g}" if len(length) < 6 or k % 2 else f"      {one:g}"
-            ax.text(data["time"][seen], middle[seen], mark, fontsize=7.5, va="center")
+            if middle[-1] > lowest:
+                ends[one] = middle[-1]
+            else:  # named where it leaves the axes
+                seen = data["time"][int(np.sum(middle > lowest)) - 1]
+                ax.text(seen, 1.3 * lowest, f"{one:g} ", fontsize=7.5, ha="right")
+        height = 0.0
+        for one, end in sorted(ends.items(), key=lambda item: item[1]):
+            height = max(end, 1.5 * height)
+            ax.text(1.03 * data["time"][-1], height, f"{one:g}", fontsize=7.5, va="center")
         ax.axhline(STRAIGHT, color=QUIET, linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
         ax.text(data["time"][0], STRAIGHT, "straight", fontsize=8.0, color=QUIET, va="bottom")
         ax.set_xscale("log")

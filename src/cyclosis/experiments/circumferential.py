@@ -31,7 +31,7 @@ LATE = 400.0
 TIMES = (TREATED - 1, TREATED + 35, END)
 HALF = 2.5
 """Length of the band, half of the cell's, in which probabilities are measured."""
-LENGTHS, QUICK_LENGTHS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0), (1.0, 2.5)
+LENGTHS, QUICK_LENGTHS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.25, 4.0, 4.5), (1.0, 2.5)
 BAND_SEEDS = 3
 """Seeds of bands of other lengths; they differ in the third digit."""
 
@@ -133,7 +133,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
         f"{in_words(whole['turned'][1])}. Half a cell treated alone turns around (80 % of its order) in "
         f"{in_words(half['turned'])} with d turned, {inside['turned']:.0f} % of the order, "
         f"{'but' if half['lost'][2] < 0.5 else 'and'} in {in_words(half['lost'])} with κ = 0, "
-        f"{inside['lost']:.0f} %{neighbours if held else ''}. Unidirectional order tips from α_u = {onset(data):.4f} on (theory "
+        f"{inside['lost']:.0f} %{neighbours if held else ''}. "
+        f"Unidirectional order tips from α_u = {onset(data):.4f} on (theory "
         f"{float(data['theory_tilt']):.4f}), at {TIPPED[-1]:g} into cyclosis in {in_words(ends[1])}, around "
         f"the axis in {in_words(ends[0])}"
     )
