@@ -132,19 +132,21 @@ def counted(data: xarray.Dataset, kind: str, angle: float) -> tuple[Array, int]:
 def verdict(data: xarray.Dataset) -> Verdict:
     """Judge: without survivors the place is random; with some, handedness is kept; and how many it takes."""
     random, kept, needed = [], [], []
-    lost = 0
+    lost = {}
     for kind in ("thinned", "cable"):
         shift = np.asarray(data[f"{kind}_shift"].values)
         hand, total = counted(data, kind, 0.5 * np.pi)
         back = shift[0][np.isfinite(shift[0])]
-        lost += int(np.isnan(shift).sum())
+        lost[kind] = int(np.isnan(shift).sum()), shift.size
         chance = proportion(int(np.sum(np.abs(back) < 0.5 * np.pi)), back.size) if back.size else (0.0,) * 3
         test = circular(back) if back.size > 1 else None
         even = chance[1] <= 0.5 <= chance[2] and test is not None
         random.append(even and test is not None and min(test.rayleigh, test.kuiper) > CHANCE_LEVEL)
         most = proportion(int(hand[-1]), total)
         kept.append(most[0] > MOST and most[1] > 0.5)
-        factor = effect(expected(data, kind)[1:], hand[1:], np.full(hand[1:].shape, total))
+        # The law is about the phase of stripes: cells that have none say nothing of it, and are told apart.
+        returned = np.isfinite(shift).sum(axis=-1)
+        factor = effect(expected(data, kind)[1:], hand[1:], returned[1:])
         needed.append((chance, most, test, factor))
     (chance, most, test, spread), (cable_chance, cable_most, _, cable) = needed
     text = (
@@ -154,19 +156,21 @@ def verdict(data: xarray.Dataset) -> Verdict:
     if test is not None:
         text += f"; places are{'' if all(random) else ' not'} uniform (Kuiper p = {test.kuiper:.2f})"
     text += (
-        f". With most survivors {in_words(most)} do (spread) and {in_words(cable_most)} (one cable); 95 % "
-        f"need {_share(spread, SPREAD_WAVE)} of all filaments, or {_share(cable, CABLE_WAVE)} in one cable: "
-        f"{_factor(spread)} and {_factor(cable)} times as effective as the law of the square root says"
+        f". With most survivors {in_words(most)} do (spread) and {in_words(cable_most)} (one cable); of those with stripes "
+        f"95 % need {_share(spread, SPREAD_WAVE)} of all filaments, or {_share(cable, CABLE_WAVE)} in one "
+        f"cable: {_factor(spread)} and {_factor(cable)} times as effective as the law of the square root says"
     )
-    if lost:
-        gone = proportion(lost, data["cable_shift"].size + data["thinned_shift"].size)
-        text += f". No two stripes came back in {in_words(gone)}"
+    if any(count for count, _ in lost.values()):
+        text += (
+            f". No two stripes came back in {in_words(proportion(*lost['thinned']))} of cells (spread) and "
+            f"{in_words(proportion(*lost['cable']))} (drug, one cable)"
+        )
     good = AGREES if all(random) and all(kept) else IN_PART if any(random) and any(kept) else DOES_NOT
     return Verdict(good, text)
 
 
 def _share(factor: tuple[float, float, float], wave: float) -> str:
-    """Return in words the share of filaments with which 95 % of cells keep their handedness."""
+    """Return in words the share of filaments with which 95 % of cells with stripes keep their handedness."""
     value, low, high = (1.645 / (wave * np.sqrt(ALL)) / max(r, 1e-9) for r in factor)
     return f"{100 * value:.3f} % ({100 * high:.3f} to {100 * low:.3f} %)"
 

@@ -4,6 +4,9 @@ A disordered state grows at first as the linear equation has it, in which the wa
 P_z ~ Re c exp(iθ), keeps its phase. Of M filaments pointing anywhere, c is complex and normal, with the
 standard deviation M^(-1/2) in both parts; survivors add their own wave A. So the phase that grows out is
 that of a plane normal vector displaced by a = A M^(1/2).
+
+This is the linear equation's answer. Waves compete once they saturate, so that by how much survivors fall
+short of it is measured (`effect`); and it is silent on whether two stripes come back at all.
 """
 
 from __future__ import annotations

@@ -180,10 +180,13 @@ def draw(data: xarray.Dataset) -> Figure:
             each = np.array([median_interval(row) for row in after])
             shown = np.isfinite(each[:, 0])
             each[~np.isfinite(each)] = SINCE[-1]
+            never = 100 * along(data, drug, "share")[~shown]
+            ax.plot(never, np.full(never.size, SINCE[-1]), "^", color=colour, markersize=4.5, mfc="none")
             value, low, high = each[shown].T
             interval(ax, 100 * along(data, drug, "share")[shown], value, low, high, colour, name)
         flow_alone = along(data, "none", "by_old_flow")
         reference(ax, float(np.median(flow_alone)), "theory, old flow")
+        ax.text(0.98, 1.0, "△ most not in 60", transform=ax.transAxes, fontsize=8.0, ha="right", va="bottom")
         ax.set_yscale("log")
         ax.set_yticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
         ax.minorticks_off()

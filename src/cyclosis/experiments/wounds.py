@@ -61,7 +61,7 @@ def _run(steps: list[Step], disc: regions.Region, drug: str, seed: int) -> Traje
     elif drug == "in the wound":
         steps = [change(BEGIN, alpha_p=0.0, where=disc), *steps]
     protocol = Protocol(*steps, seed=seed)
-    times = BEGIN + SINCE
+    times = [0.5 * BEGIN, *(BEGIN + SINCE)]
     return simulate(Parameters(), GRID, established(), times[-1], save_at=times, rtol=1e-3, protocol=protocol)
 
 

@@ -19,7 +19,7 @@ from ..stability import cyclosis
 PARAMS = Parameters(alpha_p=1.0, alpha_u=0.5)
 POINTS = 9.6
 """Grid points a radius along the axis: those of 48 points in a cell of length 5."""
-POINTS_OF_THEORY = 128
+POINTS_OF_THEORY = 96
 """Points around the axis on which the neutral rotation is neutral to 1e-8, below all rates here."""
 UNFELT = 1e-4
 """Slope below which zones are straight to what steps and grid can tell."""
