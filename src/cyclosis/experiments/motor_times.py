@@ -1,4 +1,4 @@
-"""Times of a motor-laden vesicle on a filament, in stated units: walking off, turning the filament, letting go.
+"""Times of a motor-laden vesicle on a filament, in stated units: walking off, turning it, letting go.
 
 The paper gives two of them by numbers, and of the third, reorientation, says that it lies between. Three
 readings of it are here: the mechanism that the paper describes, a vesicle whose drag turns the filament;
@@ -59,7 +59,8 @@ def estimate(
 
     The first three defaults are the paper's; `dwell_s`, how long a stalled motor stays, is its lower bound.
     `crowding` is how much more drag walls and network put on the filament than the fluid does: 1/ε in the
-    model, in which a filament follows the flow by ε of its speed. Raises `InputError` unless all are positive.
+    model, in which a filament follows the flow by ε of its speed. Raises `InputError` unless all are
+    positive.
     """
     L = _positive("filament_um", filament_um)
     speed = _positive("speed_um_per_s", speed_um_per_s)

@@ -21,7 +21,7 @@ from .style import INK, QUIET, TYPE, WIDTH, blank, place
 # Places in millimetres.
 _MARGIN, _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _LINE = 3.0, 15.0, 4.0, 11.0, 8.0, 17.0, 4.0
 _TALL, _PANEL, _TITLE = 44.0, 46.0, 5.5
-_LETTER = 1.5
+_LETTER = 1.25
 """Mean width of a letter of the text below, in millimetres."""
 
 
