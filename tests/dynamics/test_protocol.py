@@ -11,6 +11,7 @@ import cyclosis as cy
 from cyclosis.dynamics.advance import advance
 from cyclosis.dynamics.protocol import MOST_STEPS
 from cyclosis.dynamics.schedule import Schedule
+from cyclosis.model.region_tables import from_table
 
 GRID = cy.CylinderGrid(32, 24, 5.0)
 SMALL = cy.CylinderGrid(16, 16, 5.0)
@@ -303,7 +304,7 @@ def test_a_protocol_as_tables_and_back():
 def intricate(at):
     parts = [cy.regions.disc(0.1 * k, 0.01 * k, 0.1) for k in range(50)]
     return cy.depolymerise(
-        at=at, where=cy.regions.from_table({"shape": "union", "parts": [r.as_table() for r in parts]})
+        at=at, where=from_table({"shape": "union", "parts": [r.as_table() for r in parts]})
     )
 
 

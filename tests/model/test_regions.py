@@ -12,7 +12,8 @@ from PIL import Image
 
 import cyclosis as cy
 from cyclosis import regions
-from cyclosis.model.regions import LARGEST_TEXT, Region, from_table
+from cyclosis.model.region_tables import from_table
+from cyclosis.model.regions import LARGEST_TEXT, Region
 
 GRID = cy.CylinderGrid(32, 24, 5.0)
 CASES = {

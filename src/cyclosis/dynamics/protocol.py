@@ -19,7 +19,8 @@ from typing import Any, ClassVar
 from ..model.definitions import PARAMETERS, Definition
 from ..model.errors import InputError, choice, closest, whole
 from ..model.interventions import ACTIONS, AT, SHORTEST_RAMP
-from ..model.regions import Region, from_table
+from ..model.region_tables import from_table
+from ..model.regions import Region
 
 MOST_STEPS = 200
 LONGEST = 50_000

@@ -5,7 +5,7 @@ With a = α_p - d_r the steady state d_s P'' + a P - α_p P³ = 0 of `count` equ
     P = Pm sn(θ/ξ, k),    Pm² = 2k²/(1 + k²) a/α_p,    ξ² = d_s (1 + k²)/a,    2 K(k) ξ count = 2π,
 
 which exists while a > d_s (count/2)². Its perturbations obey Lamé's equations, for P_z with 6k² sn² and
-for P_theta with 2k² sn², whose solutions on the period of the state are elementary: in units of
+for P_theta with 2k² sn², whose leading solutions on the period of the state are elementary: in units of
 a/(1 + k²), with r = (1 - k² + k⁴)^½,
 
     P_z:       2r - (1 + k²) (widths),   0 (rotation),   -3k²,   -3,   -2r - (1 + k²)

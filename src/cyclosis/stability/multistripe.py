@@ -8,8 +8,8 @@ between some widen at the cost of others that point the same way.
 
 Without flow every b but the rotation grows, count - 1 modes in all, at λ cos²(πb/count) where zones are
 narrow, since each front feels its neighbours only. Only b = 0 changes the mean force, so only b = 0 can be
-held by <u> = 0, above a threshold of its own; to all the others flow adds an attraction of neighbouring
-zones, and they go on growing. Two stripes have none of these. Own derivation.
+held by <u> = 0, above a threshold of its own; all the others went on growing at every strength of flow
+that was looked at. Two stripes have none of these. Own derivation.
 """
 
 from __future__ import annotations
