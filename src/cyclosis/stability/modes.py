@@ -53,9 +53,10 @@ class CellModes:
 
     `eigenvalues` λ (count,), the largest real part first; `modes` v (count, 2, n_theta, n_z), complex, with
     <|v|²> = 1, as real as a phase can make them; `residuals` <|J v - λ v|²>^½ (count,); `shifts` (count,) the
-    share of each mode in the space of shifts: near 1 for a neutral one, but large for some that decay, too. Perturbations are the real parts of v e^{λt}, seen from a
-    frame that moves with the state. On the grid's own equations λ of a shift is zero only as far as the grid
-    resolves the state: it says how well; with `dealias = "full"` it is zero to rounding.
+    share of each mode in the space of shifts: near 1 for a neutral one, but large for some that decay, too.
+    Perturbations are the real parts of v e^{λt}, seen from a frame that moves with the state. On the grid's
+    own equations λ of a shift is zero only as far as the grid resolves the state: it says how well; with
+    `dealias = "full"` it is zero to rounding.
     """
 
     eigenvalues: Complex

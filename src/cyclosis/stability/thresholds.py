@@ -3,8 +3,9 @@
 Existence ends below α_p = d_r + d_s in a fold (`fold`). At α_p = d_r + d_s the branch ends in disorder: with
 P = b sin θ the cubic force is (3/4) b³ sin θ + ... and db/dt = (3/4) [α_u/(1 + μ) - α_p] b³ + ..., which
 vanishes at α_u = α_p (1 + μ). Above, the state exists for every α_u. Stability is another question
-(`threshold`): where stripes end in a fold the answers differ near d_r + d_s only. `crossings` tells how they are found on one grid;
-here they are found on two, and the error bar is the difference, plus what rounding can do.
+(`threshold`): where stripes end in a fold the answers differ near d_r + d_s only. `crossings` tells how they
+are found on one grid; here they are found on two, and the error bar is the difference, plus what rounding can
+do.
 """
 
 from __future__ import annotations
