@@ -131,7 +131,7 @@ def claims() -> str:
     out += "What Woodhouse & Goldstein (2013) claim of living cells and of their model, in our words, put\n"
     out += "to the model cell by [virtual experiments](experiments.md): full form, with the numbers that\n"
     out += "decide.\n\n"
-    rows, tally = [], dict.fromkeys(OUTCOMES, 0)
+    lines, pictures, tally = [], [], dict.fromkeys(OUTCOMES, 0)
     for name in NAMES:
         file = HERE / "data" / "experiments" / f"{name}.nc"
         if not file.exists():
@@ -140,18 +140,16 @@ def claims() -> str:
             told = {key: str(value) for key, value in data.attrs.items()}
         tally[told["verdict"]] += 1
         picture = f"images/experiments/{name}.png"
-        rows.append(
-            f"## {name}: {told['verdict']}\n\n"
-            f"* **The paper** ({told['claim_source']}): {told['claim']}\n"
-            f"* **Done**: {told['method']} {told['seeds']} seeds, `{told['command']}`.\n"
-            f"* **Measured**: {told['measured']}.\n\n![{name}: the cell and what was measured]({picture})\n"
+        cells = (told["claim"], told["measured"], f"**{told['verdict']}**")
+        lines.append(f"| [{name}](#{name}) | " + " | ".join(map(_cell, cells)) + " |\n")
+        pictures.append(
+            f"## {name}\n\n![{name}: the cell and what was measured]({picture})\n\n"
+            f"The paper: {told['claim_source']}. {told['method']} {told['seeds']} seeds, "
+            f"`{told['command']}`.\n"
         )
     out += ", ".join(f"{count} {outcome}" for outcome, count in tally.items()) + ".\n\n"
-    out += "| claim | verdict |\n|---|---|\n"
-    for row in rows:
-        head, _, verdict = row.splitlines()[0].removeprefix("## ").partition(": ")
-        out += f"| [{head}](#{head}-{verdict.replace(' ', '-')}) | {verdict} |\n"
-    return out + "\n" + "\n".join(rows)
+    out += "| experiment | the paper's claim | measured | verdict |\n|---|---|---|---|\n"
+    return out + "".join(lines) + "\n" + "\n".join(pictures)
 
 
 PAGES = {"settings.md": settings, "quantities.md": quantities, "claims.md": claims}

@@ -1,0 +1,96 @@
+"""All experiments in their quick form, by the numbers that theory and earlier runs pin down."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cyclosis.experiments import NAMES, perform
+from cyclosis.experiments.coalescence import crossing
+from cyclosis.experiments.experiment import OUTCOMES
+
+pytestmark = pytest.mark.slow
+
+
+def recovery(data):
+    back = data["recovered"].values.astype(bool)
+    assert back.mean() > 0.7
+    assert np.abs(data["width"].values[back] - 0.5).max() < 1e-3
+
+
+def coalescence(data):
+    assert crossing(data["near"].values, data["growth"].values) == pytest.approx(1.0, abs=0.02)
+
+
+def equal_stripes(data):
+    for name in ("alpha_u", "cell_length"):
+        count = data[f"stripes_over_{name}"].values
+        assert set(np.unique(count)) <= {0, 2}
+        assert data[f"uneven_over_{name}"].values[count == 2].max() < 1e-6
+    assert data["theory_rate"].values == pytest.approx([0.0139, 0.06407], abs=1e-4)
+
+
+def twist(data):
+    assert data["helix_speed"].values == pytest.approx(data["helix_theory"].values, rel=2e-3)
+
+
+def myosin_inhibition(data):
+    assert set(np.unique(data["control_regime"].values)) == {2}
+    assert np.abs(data["control_width"].values - 0.5).max() < 1e-3
+    assert data["growth"].values.min() > 0
+
+
+def circumferential(data):
+    around = np.abs(data["mean_P_theta"].sel(treatment="lost").values)
+    assert np.median(around) == pytest.approx(float(data["theory_order"]), abs=2e-3)
+    slope, start = np.polyfit(data["growing_alpha_u"].values, data["growth"].values, 1)
+    assert -start / slope == pytest.approx(float(data["theory_tilt"]), rel=5e-3)
+
+
+def weak_repulsion(data):
+    assert np.abs(data["speed"].values - data["theory_speed"].values[:, None]).max() < 1e-3
+    assert float(data["theory_upright"]) == pytest.approx(0.4707, abs=1e-3)
+    assert float(data["theory_round"]) == pytest.approx(0.0484, abs=1e-3)
+
+
+def force_law(data):
+    strength = data["weak_alpha_u"].values
+    linear = data["growth"].values[0].mean(axis=1)
+    slope, start = np.polyfit(strength, linear, 1)
+    assert -start / slope == pytest.approx(float(data["theory_onset"]), rel=0.02)
+    assert float(data["theory_fold"]) == pytest.approx(0.22672, abs=1e-4)
+
+
+def cytochalasin(data):
+    left, fold = data["left"].values, data["fold"].values[:, None]
+    strength = data["map_alpha_u"].values[None]
+    assert np.all(left[np.broadcast_to(strength > 1.2 * fold, left.shape)] > 0.3)
+    assert np.all(left[np.broadcast_to(strength < 0.8 * fold, left.shape)] < 1e-2)
+
+
+def surviving_seeds(data):
+    assert np.all(np.abs(data["thinned_shift"].values) <= np.pi + 1e-6)
+
+
+def emergence(data):
+    order = data["order"].values
+    assert np.all(order[:, 0] < 0.1)
+    assert np.median(order[:, -1]) > 0.85
+    assert np.median(data["domain_size"].values[:, -1]) > np.median(data["domain_size"].values[:, 3])
+
+
+CHECKS = {
+    name.replace("_", "-"): check
+    for name, check in list(globals().items())
+    if name.replace("_", "-") in NAMES and callable(check)
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_quick_form(name, tmp_path):
+    done = perform(name, tmp_path, quick=True)
+    assert done.verdict.outcome in OUTCOMES
+    assert done.figure.stat().st_size > 50_000
+    assert done.file.stat().st_size < 1_000_000
+    if name in CHECKS:
+        CHECKS[name](done.dataset)
