@@ -79,6 +79,36 @@ def emergence(data):
     assert np.median(data["domain_size"].values[:, -1]) > np.median(data["domain_size"].values[:, 3])
 
 
+def ablation(data):
+    fate = data["fate"].sel(start="disorder")
+    everything, unbundled = (np.unique(fate.sel(tried=name)) for name in ("everything", "without bundling"))
+    assert everything.size == unbundled.size == 1
+    assert everything != unbundled
+    assert not np.any(fate.sel(tried="only flow alignment") == everything)
+
+
+def timescales(data):
+    found = [float(data[f"paper_{name}_s"]) for name in ("procession", "vesicle", "detachment")]
+    assert found == pytest.approx([0.1, 0.3934, 1.0], abs=1e-4)
+
+
+def wound(data):
+    healed = data["measured"].sel(measure="healed after").values[data["drug"].values == "none"]
+    assert np.all(healed[0] < 5)
+    assert data["by_old_flow"].values == pytest.approx(1.6, abs=0.1)
+
+
+def shear_straightening(data):
+    at = int(np.argmin(np.abs(data["epsilon"].values - 0.1)))
+    assert data["slowest"].values[at] == pytest.approx(0.0541, abs=5e-4)
+
+
+def cell_shape(data):
+    five = float(data["theory_rate"].sel(length=5.0))
+    assert five == pytest.approx(0.0541, abs=5e-4)
+    assert np.nanmax(data["tail"].values) < 0.02
+
+
 CHECKS = {
     name.replace("_", "-"): check
     for name, check in list(globals().items())
