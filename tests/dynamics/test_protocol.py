@@ -323,7 +323,7 @@ BAD = {
     "size": (lambda: cy.noise(at=1.0, size=-1.0), "from 0 to 10"),
     "seed": (lambda: cy.noise(at=1.0, size=0.1, seed=-1), "a whole number from 1"),
     "no step": (lambda: cy.Protocol("change"), "made of steps"),
-    "too many": (lambda: cy.Protocol(*[cy.wash_out(at=1.0)] * (MOST_STEPS + 1)), "at most 200 steps"),
+    "too many": (lambda: cy.Protocol(*[cy.wash_out(at=1.0)] * (MOST_STEPS + 1)), "at most 1000 steps"),
     "too long": (lambda: cy.Protocol(*[intricate(at=1.0)] * 20), "at most 50000 characters"),
     "protocol seed": (lambda: cy.Protocol(seed=-1), "a whole number from 0"),
     "no protocol": (lambda: final("change"), "a Protocol"),

@@ -1,7 +1,7 @@
 """A schedule made ready for computing: the right-hand side of every stage, and what an event does to a run.
 
-All stages are one compiled program, but for those with a ramp, which are a second: parameters that become
-fields at some time are fields from the beginning, and what is ever on a ramp is followed in every ramp.
+Stages of one structure are one compiled program. A parameter that a step made a field stays one, and what is on
+a ramp is known for each stage, so that the program of a stage depends on nothing that comes later.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..model.parameters import Parameters
 from ..model.system import System, ramped, system
 from .advance import DIVERGED, FIRST_RUNG, Progress, start
 from .protocol import Protocol
-from .schedule import Schedule
+from .schedule import Schedule, Stage
 
 SHARP = 1.25
 """Magnitude |P| beyond which a run whose states are cut has diverged: sharp edges overshoot on their way."""
@@ -50,29 +50,25 @@ class Course:
         self.params, self.grid, self.protocol = params, grid, protocol
         self.schedule = Schedule(params, grid, protocol)
         self.times = self.schedule.times
-        exponents = {stage.first.force_exponent for stage in self.schedule.stages}
         self._terms, self._dealias, self._precision, self._split = (
             select_terms(terms),
             dealias,
             precision,
             split,
         )
-        self._cubic = exponents == {2.0}
         self._kept: tuple[int, System] | None = None
 
-    @property
-    def bound(self) -> float:
-        """Magnitude |P| beyond which the run has diverged."""
-        return SHARP if any(step.acts_on_state for step in self.protocol) else DIVERGED
+    def bound(self, done: int) -> float:
+        """Return the magnitude |P| beyond which the run has diverged, once `done` events are done."""
+        return SHARP if self.schedule.last_disturbance(done) is not None else DIVERGED
 
     def system(self, done: int) -> System:
         """Return the system in force once `done` events are done."""
         if self._kept is None or self._kept[0] != done:
             stage = self.schedule.stages[done]
-            first = self._placed(stage.first)
-            if stage.last is not None:
-                last = self._placed(stage.last)
-                first = ramped(first, last, stage.begin, stage.end, self.schedule.ramped)
+            first = self._placed(stage, stage.first)
+            if stage.moving:
+                first = ramped(first, self._placed(stage, stage.last), stage.moving)
             self._kept = (done, first)
         return self._kept[1]
 
@@ -100,8 +96,8 @@ class Course:
             evaluations=now.evaluations + 1,
         ), note
 
-    def _placed(self, params: Parameters) -> System:
-        whole = {name: getattr(params, name) for name in self.schedule.fields}
+    def _placed(self, stage: Stage, params: Parameters) -> System:
+        whole = {name: getattr(params, name) for name in stage.fields}
         spread = {name: np.broadcast_to(value, self.grid.shape).copy() for name, value in whole.items()}
         return system(
             params.replace(**spread),
@@ -110,5 +106,5 @@ class Course:
             self._dealias,
             self._precision,
             self._split,
-            cubic=self._cubic,
+            cubic=stage.cubic,
         )

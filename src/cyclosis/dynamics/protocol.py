@@ -22,7 +22,7 @@ from ..model.interventions import ACTIONS, AT, SHORTEST_RAMP
 from ..model.region_tables import from_table
 from ..model.regions import Region
 
-MOST_STEPS = 200
+MOST_STEPS = 1000
 LONGEST = 50_000
 """Characters that a protocol may take in a file: all that was asked for stands in one attribute of 64 kB."""
 _BY_NAME = {item.name: item for item in PARAMETERS}
@@ -251,7 +251,7 @@ class Protocol:
     A step of seed k (by default 1, 2, ... for the random steps in turn) draws from
     `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the
     initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no
-    step, for more than 200 of them or more than a file can hold, and for a parameter that is changed while a
+    step, for more than 1000 of them or more than a file can hold, and for a parameter that is changed while a
     ramp of it is under way.
     """
 
@@ -358,10 +358,12 @@ def _checked(item: Definition, value: Any) -> Any:
 
 
 def _refuse_overlaps(steps: tuple[Step, ...]) -> None:
-    changed = {name for step in steps if isinstance(step, Change) for name, _ in step.values}
+    changed = set[str]()
     ends: dict[str, tuple[float, float]] = {}
     for step in steps:
-        names = changed if isinstance(step, WashOut) else dict(getattr(step, "values", ()))
+        own = dict(getattr(step, "values", ()))
+        changed |= own.keys()
+        names = changed if isinstance(step, WashOut) else own
         for name in (item.name for item in PARAMETERS if item.name in names):
             begin, end = ends.get(name, (0.0, 0.0))
             if step.at < end:

@@ -101,7 +101,7 @@ class Run:
         stages = range(len(course.times) + 1) if how.stepper == "rk4" else (0,)
         dt = how.dt or min(default_dt(how, course.system(k)) for k in stages)
         numbers = (np.float64(x) for x in (how.rtol, how.atol, dt, NEVER))
-        self.control = Control(*numbers)._replace(bound=course.bound)
+        self.control = Control(*numbers)
 
     def begin(self, spectrum: npt.NDArray[Any]) -> Progress:
         """Return the start of a new run at t = 0."""
@@ -160,7 +160,9 @@ class Run:
     def _reach(self, now: Progress, target: float, interrupts: Interrupts) -> Progress:
         adaptive, steps = self.how.stepper == "adaptive", 8
         steady = self.how.steady_rate if self._may_settle() else None
-        control = self.control._replace(steady_rate=np.float64(NEVER if steady is None else steady))
+        control = self.control._replace(
+            steady_rate=np.float64(NEVER if steady is None else steady), bound=self.course.bound(self.done)
+        )
         while float(now.t) < target and not interrupts.asked:
             began = clock.perf_counter()
             now = advance(self.cell, control, now, np.float64(target), np.int64(steps), adaptive)
@@ -236,7 +238,7 @@ class Run:
             records={name: np.stack([record[name] for record in self.records]) for name in names},
             status=status,
             status_time=when,
-            message=_message(status, when, self.how, self.watch.sign, self.course.bound),
+            message=_message(status, when, self.how, self.watch.sign, self.course.bound(self.done)),
             t_final=t,
             final_state=self._state(now),
             restart=Restart.of(now, self.watch.time, self.watch.sign, self._wall(), self.done),

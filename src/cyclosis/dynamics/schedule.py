@@ -1,7 +1,8 @@
 """What a protocol means for one cell: the parameters in force at any time, and what becomes of a state.
 
 At a time when something is done, everything "at" that time is after it: the parameters in force, a frame, a
-record. A ramp is straight in time.
+record. A ramp is straight in time. Nothing here looks ahead: what a protocol does later changes no bit of what
+comes before, so that a cell may be followed while its protocol is still being written.
 """
 
 from __future__ import annotations
@@ -22,24 +23,38 @@ from .protocol import Change, Depolymerise, Fragment, Noise, Protocol, Step, Was
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The time between two events: its beginning and end, and the parameters there.
+    """What is in force between two events.
 
-    `last` is None where no parameter is on its way.
+    `first` and `last` are the parameters at the beginnings and the ends of the ramps that are under way, and
+    the same where there are none; `moving` gives the times of either by name. `fields` names the parameters
+    that a step has made differ from place to place, now or before.
     """
 
-    begin: float
-    end: float
     first: Parameters
-    last: Parameters | None = None
+    last: Parameters
+    moving: dict[str, tuple[float, float]]
+    fields: frozenset[str]
+
+    @property
+    def cubic(self) -> bool:
+        """Whether the force is cubic throughout."""
+        return {self.first.force_exponent, self.last.force_exponent} == {2.0}
+
+    def at(self, t: float) -> Parameters:
+        """Return the parameters at a time within the stage."""
+        values = {}
+        for name, (begin, end) in self.moving.items():
+            first = getattr(self.first, name)
+            values[name] = first + (t - begin) / (end - begin) * (getattr(self.last, name) - first)
+        return self.first.replace(**values)
 
 
 class Schedule:
     """The events of a protocol on a cell.
 
     `times` are those at which a step or the end of a ramp falls; `stages` the stretches before, between and
-    after them, so that stage k is in force once k events are done. `fields` names the parameters that a step
-    makes differ from place to place, `ramped` those that are ever on a ramp. Raises `InputError` for
-    fields that do not match the grid, and for a region that is not on the cell or has no point of the grid.
+    after them, so that stage k is in force once k events are done. Raises `InputError` for fields that do not
+    match the grid, and for a region that is not on the cell or has no point of the grid.
     """
 
     def __init__(self, params: Parameters, grid: CylinderGrid, protocol: Protocol) -> None:
@@ -47,12 +62,6 @@ class Schedule:
         self.params, self.grid, self.protocol = params, grid, protocol
         self.masks = {id(step): _mask(step, grid) for step in protocol}
         self.times = tuple(sorted({time for step in protocol for time in (step.at, step.until)}))
-        changes = [step for step in protocol if isinstance(step, Change)]
-        self.changed = {name for step in changes for name, _ in step.values}
-        self.fields = tuple({name for step in changes if step.where is not None for name, _ in step.values})
-        self.ramped = {name for step in changes if step.over for name, _ in step.values}
-        if any(isinstance(step, WashOut) and step.over for step in protocol):
-            self.ramped |= self.changed - {"zero_theta_flux"}
         self.stages = self._stages()
 
     def done(self, t: float) -> int:
@@ -61,14 +70,7 @@ class Schedule:
 
     def params_at(self, t: float) -> Parameters:
         """Return the parameters in force at a time, after whatever is done then."""
-        stage = self.stages[self.done(t)]
-        if stage.last is None:
-            return stage.first
-        share = (t - stage.begin) / (stage.end - stage.begin)
-        values = {name: getattr(stage.first, name) for name in self.ramped}
-        return stage.first.replace(
-            **{name: value + share * (getattr(stage.last, name) - value) for name, value in values.items()}
-        )
+        return self.stages[self.done(t)].at(t)
 
     def disturbs(self, event: int) -> bool:
         """Return whether an event acts on the state."""
@@ -102,27 +104,29 @@ class Schedule:
     def _stages(self) -> list[Stage]:
         current: dict[str, Any] = dict(self.params.items())
         ramps: dict[str, tuple[float, float, Any, Any]] = {}
-        out = [Stage(0.0, self.times[0] if self.times else np.inf, self.params)]
-        ends = [*self.times[1:], np.inf]
-        for time, end in zip(self.times, ends, strict=False):
+        changed, spread = set[str](), set[str]()
+        out = [Stage(self.params, self.params, {}, frozenset())]
+        for time in self.times:
             for name in [name for name, ramp in ramps.items() if ramp[1] <= time]:
                 current[name] = ramps.pop(name)[3]
             for step in (step for step in self.protocol if step.at == time):
-                for name, target in self._targets(step, current).items():
-                    if getattr(step, "over", 0.0) and name in self.ramped:
+                if isinstance(step, Change):
+                    changed |= dict(step.values).keys()
+                    spread |= dict(step.values).keys() if step.where is not None else set()
+                for name, target in self._targets(step, current, changed).items():
+                    if getattr(step, "over", 0.0) and name != "zero_theta_flux":
                         ramps[name] = (step.at, step.until, current[name], target)
                     else:
                         current[name] = target
-            first = {name: _along(ramp, time) for name, ramp in ramps.items()}
-            last = {name: _along(ramp, end) for name, ramp in ramps.items()}
-            begin = self.params.replace(**(current | first))
-            out.append(Stage(time, end, begin, begin.replace(**last) if ramps else None))
+            first = self.params.replace(**(current | {name: ramp[2] for name, ramp in ramps.items()}))
+            last = first.replace(**{name: ramp[3] for name, ramp in ramps.items()})
+            out.append(Stage(first, last, {n: r[:2] for n, r in ramps.items()}, frozenset(spread)))
         return out
 
-    def _targets(self, step: Step, current: dict[str, Any]) -> dict[str, Any]:
+    def _targets(self, step: Step, current: dict[str, Any], changed: set[str]) -> dict[str, Any]:
         """Return the values to which a step takes parameters, by name."""
         if isinstance(step, WashOut):
-            return {name: getattr(self.params, name) for name in self.changed}
+            return {name: getattr(self.params, name) for name in sorted(changed)}
         if not isinstance(step, Change):
             return {}
         mask = self.masks[id(step)]
@@ -143,14 +147,6 @@ def _mask(step: Step, grid: CylinderGrid) -> Mask | None:
             f"where of {step.action} at t = {step.at:g}", str(region), rule, "enlarge it, or refine the grid"
         )
     return mask
-
-
-def _along(ramp: tuple[float, float, Any, Any], time: float) -> Any:
-    """Return the value of a ramp (begin, end, first, last) at a time, exact at either end."""
-    begin, end, first, last = ramp
-    if time >= end:
-        return last
-    return first + (time - begin) / (end - begin) * (last - first)
 
 
 def _bounded(P: Array) -> Array:

@@ -38,7 +38,7 @@ class _Ride:
             member.params, member.grid, member.protocol, how.terms, how.dealias, how.precision
         )
         tolerances = (np.float64(x) for x in (how.rtol, how.atol, 0.1, NEVER))
-        self.control = Control(*tolerances)._replace(bound=self.course.bound)
+        self.control = Control(*tolerances)
         self.cell = jax.device_put(self.course.system(0))
         self.watch = Watch(self.course.system(0), how.run)
         self.looks: list[tuple[float, Look]] = []
@@ -60,8 +60,9 @@ class _Ride:
         return self._outcome(now, self.cell.state(np.asarray(now.spectrum)) if final is None else final)
 
     def _reach(self, now: Progress, target: float) -> Progress:
+        control = self.control._replace(bound=self.course.bound(self.done))
         while float(now.t) < target and not bool(now.failed):
-            now = advance(self.cell, self.control, now, np.float64(target), np.int64(CHECK_STEPS), True)
+            now = advance(self.cell, control, now, np.float64(target), np.int64(CHECK_STEPS), True)
             seen = jax.device_get(signs(self.cell, now, self.how.t_end))
             t = float(seen.t)
             self.looks.append((t, Look.of_signs(seen)))

@@ -32,9 +32,9 @@ WAYS = ("from disorder", "established", "fragmented")
 """What the drug meets; the last is an established cell whose cables it also breaks up."""
 
 # The plane over which established stripes are followed: below d_r + d_s, where two stripes end in a fold.
-ALPHA_P, QUICK_ALPHA_P = np.linspace(0.0, 0.048, 13), np.linspace(0.0, 0.048, 4)
-ALPHA_U, QUICK_ALPHA_U = np.linspace(0.02, 0.32, 16), np.linspace(0.04, 0.32, 6)
-ORDER_ALPHA_U, QUICK_ORDER_ALPHA_U = (0.23, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0), (0.25, 0.5, 1.0)
+ALPHA_P, QUICK_ALPHA_P = np.linspace(0.0, 0.048, 13), np.linspace(0.0, 0.048, 3)
+ALPHA_U, QUICK_ALPHA_U = np.linspace(0.02, 0.32, 16), np.linspace(0.04, 0.32, 5)
+ORDER_ALPHA_U, QUICK_ORDER_ALPHA_U = (0.23, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0), (0.25, 1.0)
 """Where the least order that lasts is looked for."""
 NEAREST = 0.03
 """Distance from the fold, over alpha_u there, below which a run may be too short to tell."""

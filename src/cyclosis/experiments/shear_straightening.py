@@ -160,7 +160,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.plot(
             time, 0.05 * np.exp(-rate * time), color=QUIET, linewidth=0.8, linestyle=(0, (4, 2)), zorder=0
         )
-        ax.text(2, 0.011, "slowest mode", color=QUIET, fontsize=8.0, va="top")
+        ax.text(2, 0.006, "slowest mode", color=QUIET, fontsize=8.0, va="top")
         ax.set_yscale("log")
         ax.set_xlim(0, time[-1])
         ax.set_ylim(1e-3, 1.2)

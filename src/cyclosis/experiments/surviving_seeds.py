@@ -156,10 +156,10 @@ def verdict(data: xarray.Dataset) -> Verdict:
     if test is not None:
         text += f"; places are{'' if all(random) else ' not'} uniform (Kuiper p = {test.kuiper:.2f})"
     text += (
-        f". With most survivors {in_words(most)} do (spread) and {in_words(cable_most)} (one cable); of"
-        f" those with stripes 95 % need {_share(spread, SPREAD_WAVE)} of all filaments, or"
-        f" {_share(cable, CABLE_WAVE)} in one cable: {_factor(spread)} and {_factor(cable)} times as"
-        " effective as the law of the square root says"
+        f". With most survivors {in_words(most)} do (spread) and {in_words(cable_most)} (one cable); "
+        f"of those with stripes 95 % need {_share(spread, SPREAD_WAVE)} of all filaments, or "
+        f"{_share(cable, CABLE_WAVE)} in one cable: {_factor(spread)} and {_factor(cable)} times as "
+        f"effective as the law of the square root says"
     )
     if any(count for count, _ in lost.values()):
         text += (

@@ -6,7 +6,7 @@ compiled in is only the shape, the dealiasing, the selection of terms and whethe
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -26,10 +26,10 @@ from .spectral import Space
 
 
 class Ramp(NamedTuple):
-    """Values on their straight way in time: those of the system at `begin`, `target` (by name) at `end`."""
+    """Values on their straight way in time, by name: those of the system at `begin`, `target` at `end`."""
 
-    begin: Any
-    end: Any
+    begin: dict[str, Any]
+    end: dict[str, Any]
     target: dict[str, Any]
 
 
@@ -110,10 +110,10 @@ _LINEAR = {"d_s", "d_r"}
 
 def _on_the_way(values: Values, ramp: Ramp, time: Any) -> Values:
     """Return the values at a time during a ramp."""
-    share = (time - ramp.begin) / (ramp.end - ramp.begin)
 
     def between(name: str) -> Any:
         first = getattr(values, name)
+        share = (time - ramp.begin[name]) / (ramp.end[name] - ramp.begin[name])
         return first + jnp.asarray(share, first.real.dtype) * (ramp.target[name] - first)
 
     now = values._replace(**{name: between(name) for name in ramp.target})
@@ -129,16 +129,18 @@ def _strongest(values: Values, ramp: Ramp) -> Values:
     return values._replace(**larger)
 
 
-def ramped(first: System, last: System, begin: float, end: float, names: Iterable[str]) -> System:
-    """Return the system whose values `names` go straight from those of `first` at `begin` to those of `last`.
+def ramped(first: System, last: System, times: Mapping[str, tuple[float, float]]) -> System:
+    """Return the system with values that go straight from those of `first` to those of `last`.
 
-    All else must be the same in both; what a name does not change costs nothing but time.
+    `times` gives the beginning and the end of the way of each, by name. All else must be the same in both;
+    what a name does not change costs nothing but time.
     """
-    chosen = set(names)
+    chosen = dict(times)
     if "kappa" in chosen and "repulsion_angle" not in chosen:
-        chosen.add("kappa_mirror")  # linear in kappa
-    target = {name: getattr(last.values, name) for name in sorted(chosen)}
-    return replace(first, ramp=Ramp(np.float64(begin), np.float64(end), target))
+        chosen["kappa_mirror"] = chosen["kappa"]  # linear in kappa
+    names = sorted(chosen)
+    begin, end = ({name: np.float64(chosen[name][k]) for name in names} for k in (0, 1))
+    return replace(first, ramp=Ramp(begin, end, {name: getattr(last.values, name) for name in names}))
 
 
 def system(
