@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .dataset import resume_file as resume_file
     from .dataset import write as write
     from .dynamics.protocol import Protocol as Protocol
+    from .dynamics.protocol import align as align
     from .dynamics.protocol import change as change
     from .dynamics.protocol import depolymerise as depolymerise
     from .dynamics.protocol import fragment as fragment
@@ -74,6 +75,7 @@ _HOME = {
     "TERMS": "model.filaments",
     "Term": "model.filaments",
     "Trajectory": "dynamics.trajectory",
+    "align": "dynamics.protocol",
     "change": "dynamics.protocol",
     "depolymerise": "dynamics.protocol",
     "diagnose": "analysis.diagnostics",

@@ -1,7 +1,7 @@
 """A schedule made ready for computing: the right-hand side of every stage, and what an event does to a run.
 
-Stages of one structure are one compiled program. A parameter that a step made a field stays one, and what is on
-a ramp is known for each stage, so that the program of a stage depends on nothing that comes later.
+Stages of one structure are one compiled program. A parameter that a step made a field stays one, and what is
+on a ramp is known for each stage, so that the program of a stage depends on nothing that comes later.
 """
 
 from __future__ import annotations

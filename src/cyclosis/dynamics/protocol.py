@@ -157,6 +157,22 @@ class Depolymerise(Step):
 
 
 @dataclass(frozen=True)
+class Align(Step):
+    """P becomes a vector of one direction and magnitude."""
+
+    action = "align"
+    acts_on_state = True
+    angle: float = 0.0
+    magnitude: float = 0.9
+    where: Region | None = None
+
+    @property
+    def what(self) -> str:
+        """The action in words."""
+        return f"align to {self.magnitude:g} at angle {self.angle:g}"
+
+
+@dataclass(frozen=True)
 class Noise(Step):
     """Noise of standard deviation `size` is added to either component of P."""
 
@@ -188,7 +204,7 @@ class WashOut(Step):
 
 
 _MADE: dict[str, type[Step]] = {
-    kind.action: kind for kind in (Change, Fragment, Depolymerise, Noise, WashOut)
+    kind.action: kind for kind in (Change, Fragment, Depolymerise, Align, Noise, WashOut)
 }
 
 
@@ -219,6 +235,11 @@ def fragment(
 def depolymerise(at: float, *, keep: float = 0.0, where: Region | None = None) -> Step:
     """Return the step that multiplies P by `keep`, from 0 to 1."""
     return Depolymerise(at, keep, where)
+
+
+def align(at: float, *, angle: float, magnitude: float = 0.9, where: Region | None = None) -> Step:
+    """Return the step that sets P to one direction, `angle` radians from e_theta: π/2 is up the cell."""
+    return Align(at, angle, magnitude, where)
 
 
 def noise(

@@ -1,8 +1,8 @@
 """What a protocol means for one cell: the parameters in force at any time, and what becomes of a state.
 
 At a time when something is done, everything "at" that time is after it: the parameters in force, a frame, a
-record. A ramp is straight in time. Nothing here looks ahead: what a protocol does later changes no bit of what
-comes before, so that a cell may be followed while its protocol is still being written.
+record. A ramp is straight in time. Nothing here looks ahead: what a protocol does later changes no bit of
+what comes before, so that a cell may be followed while its protocol is still being written.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from ..model.regions import Mask
-from .protocol import Change, Depolymerise, Fragment, Noise, Protocol, Step, WashOut
+from .protocol import Align, Change, Depolymerise, Fragment, Noise, Protocol, Step, WashOut
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +94,9 @@ class Schedule:
     def _acted(self, step: Step, state: Array) -> Array:
         if isinstance(step, Depolymerise):
             return step.keep * state
+        if isinstance(step, Align):
+            direction = np.array([np.cos(step.angle), np.sin(step.angle)])
+            return np.broadcast_to(step.magnitude * direction[:, None, None], state.shape).copy()
         assert isinstance(step, Fragment | Noise)
         sequence = np.random.SeedSequence(self.protocol.seed, spawn_key=(step.seed or 0,))
         drawn = initial.standard_noise(self.grid, np.random.default_rng(sequence), step.noise_grid)

@@ -40,6 +40,17 @@ SIZE = Definition(
     10.0,
     needed=True,
 )
+ANGLE = Definition(
+    "angle",
+    "-",
+    "direction of P from e_theta, in radians; π/2 is up the cell",
+    None,
+    "number",
+    -10.0,
+    10.0,
+    needed=True,
+)
+MAGNITUDE = replace(definition("initial", "magnitude"), meaning="magnitude of P")
 
 
 @dataclass(frozen=True)
@@ -63,6 +74,7 @@ ACTIONS = {
         True,
     ),
     "depolymerise": Action("multiply P by a factor", (KEEP,), True),
+    "align": Action("set P to one direction", (ANGLE, MAGNITUDE), True),
     "noise": Action("add noise to P", (SIZE, definition("initial", "noise_grid"), SEED), True),
     "wash_out": Action("return all parameters to what they were before the protocol", (OVER,), False),
 }

@@ -200,7 +200,8 @@ def _rate_of_change(system: System, spectrum: Any, time: Any) -> Any:
 
 
 @jax.jit
-def _flow(system: System, spectrum: Any) -> Any:
+def flow_spectrum(system: System, spectrum: Any) -> Any:
+    """Return the packed spectrum of the flow that a state drives (traceable)."""
     return system.at(spectrum).flow_spectrum
 
 
@@ -215,7 +216,7 @@ def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: 
     P = grid.check_state(state)
     cell = system(params, grid, dealias=dealias)
     with double():
-        return cell.state(_flow(cell, cell.spectrum(P)))
+        return cell.state(flow_spectrum(cell, cell.spectrum(P)))
 
 
 def rate_of_change(
