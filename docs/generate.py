@@ -5,12 +5,14 @@ python docs/generate.py            # writes docs/settings.md, docs/quantities.md
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from pathlib import Path
 
 import xarray
 
 from cyclosis.analysis.diagnostics import QUANTITIES
+from cyclosis.analysis.regimes import REGIMES
 from cyclosis.experiments.catalogue import NAMES
 from cyclosis.experiments.experiment import OUTCOMES
 from cyclosis.model.definitions import TABLES, Definition
@@ -152,8 +154,26 @@ def claims() -> str:
     return out + "".join(lines) + "\n" + "\n".join(pictures)
 
 
+def phase_diagram() -> str:
+    """Return the computed phase diagram for the explorer's page, as JSON."""
+    with xarray.open_dataset(HERE / "data" / "figure5.nc") as data:
+        cyclosis = data["regime"].isin([REGIMES.index("cyclosis")])
+        share = (100 * cyclosis.mean("seed")).round().astype(int)
+        configuration = json.loads(data.attrs["configuration"])
+        found = {
+            "alpha_p": data["alpha_p"].values.round(6).tolist(),
+            "alpha_u": data["alpha_u"].values.round(6).tolist(),
+            "share": share.transpose("alpha_p", "alpha_u").values.tolist(),
+            "parameters": configuration["parameters"],
+            "caption": f"Share of {data.sizes['seed']} runs at each point that end in cyclosis.",
+        }
+    return json.dumps(found) + "\n"
+
+
+EXPLORER = HERE.parent / "src" / "cyclosis" / "explorer" / "figure5.json"
 PAGES = {"settings.md": settings, "quantities.md": quantities, "claims.md": claims}
 
 if __name__ == "__main__":
     for name, page in PAGES.items():
         (HERE / name).write_text(page())
+    EXPLORER.write_text(phase_diagram())

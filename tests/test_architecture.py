@@ -20,6 +20,7 @@ ORDER = [
     "sweep",
     "figures",
     "experiments",
+    "explorer",
     "traced",
     "report",
     "progress",
@@ -27,7 +28,10 @@ ORDER = [
 ]
 LAZY = {("dynamics/trajectory.py", "dataset")}
 """The one upward import that is allowed: `Trajectory.to_dataset`."""
-HEAVY = ("jax", "scipy", "xarray", "matplotlib", "h5netcdf", "h5py", "contourpy", "rich.progress")
+HEAVY = (
+    *("jax", "scipy", "xarray", "matplotlib", "h5netcdf", "h5py", "contourpy"),
+    *("rich.progress", "fastapi", "uvicorn"),
+)
 
 
 def room(path):

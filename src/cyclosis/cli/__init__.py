@@ -12,6 +12,7 @@ from ..model.errors import InputError
 from ..version import __version__
 from . import runs
 from .experiments import experiment
+from .explorer import explore
 from .figures import figures
 from .options import commands
 from .sweeps import sweeps
@@ -25,6 +26,7 @@ app.add_typer(figures, name="figure")
 app.add_typer(sweeps, name="sweep")
 app.add_typer(theory, name="stability")
 app.command()(experiment)
+app.command()(explore)
 
 
 def _version(show: bool) -> None:

@@ -1,0 +1,1 @@
+"""A living cell in the browser: sessions, server, and what its page is told."""

@@ -1,0 +1,184 @@
+"""The explorer's server: the page, what it is built from, one session for each visitor, and files."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from fastapi import FastAPI, Request, WebSocket
+from fastapi.responses import JSONResponse, Response
+from fastapi.staticfiles import StaticFiles
+
+from ..model.errors import InputError, choice
+from . import exports, setup
+from .about import about
+from .messages import LONGEST
+from .visit import Visit
+
+PAGE = Path(__file__).parent / "page"
+"""The built page."""
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+MISSING = "install Node.js 20 or newer, then run `make page` or reinstall cyclosis"
+_SECURITY = {
+    "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' blob: data:; connect-src 'self' ws: wss:; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a server allows: sessions at once, and seconds for which one may be left alone.
+
+    `hosts` are the names under which it answers, "*" for any; `threads` compute at once.
+    """
+
+    sessions: int = 8
+    idle_seconds: float = 1800.0
+    hosts: tuple[str, ...] = LOOPBACK
+    threads: int = 2
+
+
+class _Wire:
+    """A WebSocket as a visit needs it."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        self.socket = socket
+
+    async def text(self) -> str:
+        message = await self.socket.receive()
+        if message["type"] != "websocket.receive":
+            raise ConnectionError("the visitor has left")
+        return message.get("text") or "not text"
+
+    async def say(self, text: str) -> None:
+        await asyncio.wait_for(self.socket.send_text(text), 30.0)
+
+    async def show(self, data: bytes) -> None:
+        await asyncio.wait_for(self.socket.send_bytes(data), 30.0)
+
+
+def application(limits: Limits | None = None) -> FastAPI:
+    """Return the server. It holds no state but its sessions and the page."""
+    allowed = limits or Limits()
+    app = FastAPI(title="cyclosis explorer", docs_url=None, redoc_url=None, openapi_url=None)
+    pool = ThreadPoolExecutor(allowed.threads, "cell")
+    files = ThreadPoolExecutor(1, "file")
+    waiting = asyncio.Semaphore(4)
+    open_sessions = 0
+
+    @app.middleware("http")
+    async def guarded(request: Request, call: Callable[[Request], Awaitable[Response]]) -> Response:
+        if not _known_host(request.headers.get("host", ""), allowed):
+            return JSONResponse({"sentence": "This server does not answer under that name."}, 421)
+        response = await call(request)
+        for name, value in _SECURITY.items():
+            response.headers[name] = value
+        return response
+
+    @app.get("/api/about")
+    def told() -> JSONResponse:
+        return JSONResponse(about(allowed.idle_seconds))
+
+    @app.get("/api/export/{name}")
+    async def export(name: str, cell: str, request: Request) -> Response:
+        if waiting.locked():
+            return JSONResponse({"sentence": "Other files are being made: try again soon."}, 503)
+        gone = False
+        async with waiting:
+            try:
+                choice("file", name, tuple(exports.FILES))
+                kind, make = exports.FILES[name]
+                begun = setup.from_link(cell)
+                work = asyncio.get_running_loop().run_in_executor(files, make, begun, lambda: not gone)
+                while not (await asyncio.wait({work}, timeout=0.5))[0]:
+                    gone = await request.is_disconnected()
+                return Response(
+                    work.result(), 200, {"Content-Disposition": f'attachment; filename="{name}"'}, kind
+                )
+            except InputError as error:
+                return JSONResponse({"sentence": str(error)}, 400)
+            except ConnectionAbortedError:
+                return Response(status_code=499)
+
+    @app.websocket("/cell")
+    async def cell(socket: WebSocket) -> None:
+        nonlocal open_sessions
+        if not _known_host(socket.headers.get("host", ""), allowed) or not _same_origin(socket):
+            await socket.close(1008, "Only pages of this server may connect.")
+            return
+        await socket.accept()
+        if open_sessions >= allowed.sessions:
+            words = f"This server holds {allowed.sessions} sessions and all are taken: try again later."
+            with contextlib.suppress(Exception):
+                await socket.send_json({"type": "ended", "sentence": words})
+                await socket.close(1013)
+            return
+        open_sessions += 1
+        try:
+            await Visit(_Wire(socket), pool, allowed.idle_seconds).go()
+        except (ConnectionError, TimeoutError, RuntimeError):
+            pass  # the visitor left, or cannot be served
+        finally:
+            open_sessions -= 1
+            with contextlib.suppress(Exception):
+                await socket.close()
+
+    if (PAGE / "index.html").exists():
+        app.mount("/", StaticFiles(directory=PAGE, html=True))
+    return app
+
+
+def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None = None) -> None:
+    """Serve until interrupted. `ready` is called once the server answers.
+
+    Raises `InputError` where the page is not built or the port is taken.
+    """
+    import socket
+
+    import uvicorn
+
+    if not (PAGE / "index.html").exists():
+        raise InputError("explorer", "no page", "built with its page", MISSING)
+    try:
+        listening = socket.create_server(
+            (host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET
+        )
+    except OSError as error:
+        rule = f"a free place to listen ({error.strerror})"
+        raise InputError("host and port", f"{host}:{port}", rule, "choose another with --port") from error
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: Any = None) -> None:
+            await super().startup(sockets)
+            if ready is not None:
+                ready()
+
+    how = uvicorn.Config(
+        application(limits), log_level="warning", ws="websockets-sansio", ws_max_size=LONGEST, ws_max_queue=8
+    )
+    Server(how).run([listening])
+
+
+def _known_host(header: str, allowed: Limits) -> bool:
+    return "*" in allowed.hosts or _name(f"//{header}") in allowed.hosts
+
+
+def _same_origin(socket: WebSocket) -> bool:
+    origin, host = socket.headers.get("origin"), socket.headers.get("host", "")
+    # A program that is no browser names no origin, and can be misled by no page.
+    return origin is None or urlsplit(origin).netloc == host
+
+
+def _name(address: str) -> str:
+    try:
+        return urlsplit(address).hostname or ""
+    except ValueError:
+        return ""

@@ -1,0 +1,141 @@
+"""What a cell of the explorer is made of: tables, a protocol, and the time to which it has come.
+
+A set-up is all that a link holds, and all that a `run.toml` holds: either gives the same trajectory again.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .. import config
+from ..model.definitions import INITIAL, RUN, TABLES, Definition
+from ..model.errors import InputError, number
+
+FINEST = 128
+"""Most grid points in either direction of a cell in the explorer."""
+MOST_FRAMES = 20_000
+"""Most frames of a cell in the explorer."""
+INTERVAL = Definition(
+    "save_every", "-", "time between frames; what is done falls on a frame", 0.1, "number", 0.02, 5.0
+)
+LONGEST_LINK, LONGEST_TEXT = 40_000, 200_000
+"""Characters of a link, and of what is packed in it."""
+KINDS = tuple(kind for kind in INITIAL[0].allowed if kind != "file")
+"""Initial states that a cell of the explorer may have: no visitor reads files of the server."""
+
+
+@dataclass(frozen=True, eq=False)
+class SetUp:
+    """A cell as tables (see `cyclosis.config`), the steps done to it as tables, and the time it came to."""
+
+    tables: config.Tables
+    steps: tuple[dict[str, Any], ...] = ()
+    t: float = 0.0
+
+    @property
+    def every(self) -> float:
+        """Time between frames, dimensionless (R/U)."""
+        interval: float = self.tables["run"]["save_every"]
+        return interval
+
+    def ready(self) -> config.Setup:
+        """Return the arguments of `simulate`. Raises `InputError` for what does not fit together."""
+        return config.setup(self.tables, list(self.steps))
+
+    def filled(self) -> dict[str, dict[str, Any]]:
+        """Return the tables with every default that has a value filled in."""
+        known = {name: {item.name: item.default for item in TABLES[name]} for name in ("parameters", "grid")}
+        used = (*config.USED_BY[self.tables["initial"].get("kind", INITIAL[0].default)], "kind")
+        known["initial"] = {item.name: item.default for item in INITIAL if item.name in used}
+        if known["initial"]["kind"] != self.tables["initial"].get("kind", known["initial"]["kind"]):
+            known["initial"] = {}
+        return {name: values | self.tables[name] for name, values in known.items()} | {
+            "run": dict(self.tables["run"])
+        }
+
+    def link(self) -> str:
+        """Return the set-up as a short text fit for an address."""
+        whole = {name: table for name, table in self.tables.items() if table}
+        text = json.dumps(whole | {"protocol": self.steps, "t": self.t}, separators=(",", ":"))
+        return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
+
+    def toml(self) -> str:
+        """Return the set-up as a configuration for `cyclosis run`."""
+        import tomli_w
+
+        whole: dict[str, Any] = {name: dict(table) for name, table in self.tables.items() if table}
+        whole["run"] = whole["run"] | {"t_end": self.t}
+        if self.steps:
+            whole["protocol"] = list(self.steps)
+        return tomli_w.dumps(_without_none(whole))
+
+
+def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
+    """Return the set-up that tables describe. Raises `InputError` for any mistake, and beyond the limits."""
+    if not isinstance(given, Mapping):
+        raise InputError("cell", given, "a set of tables", "give parameters, grid, initial or run")
+    run = given.get("run", {})
+    for name in run if isinstance(run, Mapping) else ():
+        if name != INTERVAL.name:
+            raise InputError("run key", name, INTERVAL.name, "the explorer decides on the others")
+    tables = config.check(given)
+    tables["run"] = {INTERVAL.name: INTERVAL.check(tables["run"].get(INTERVAL.name, INTERVAL.default))}
+    for name in ("n_theta", "n_z"):
+        points = tables["grid"].get(name, 0)
+        if points > FINEST:
+            raise InputError(name, points, f"at most {FINEST} in the explorer", "use cyclosis run for more")
+    kind = tables["initial"].get("kind", INITIAL[0].default)
+    if kind not in KINDS:
+        raise InputError("kind", kind, "one of " + ", ".join(KINDS) + " in the explorer", "choose another")
+    shape = tables["initial"].get("noise_grid") or ()
+    if any(points > FINEST for points in shape) or tables["initial"].get("stripes", 2) > FINEST:
+        raise InputError("initial", tables["initial"], f"at most {FINEST} points or stripes", "use fewer")
+    if any(isinstance(value, list | tuple) for value in tables["parameters"].values()):
+        raise InputError("parameters", "a field", "numbers in the explorer", "use a step with where")
+    _refuse_paths(steps)
+    end = number("t", t, 0.0, tables["run"]["save_every"] * MOST_FRAMES, "begin again")
+    return SetUp(tables, tuple(steps), end)
+
+
+def from_link(link: str) -> SetUp:
+    """Return the set-up of a link. Raises `InputError` for a text that is none."""
+    rule = "the part of an address of the explorer after #"
+    try:
+        if len(link) > LONGEST_LINK:
+            raise ValueError
+        packed = base64.urlsafe_b64decode(link + "=" * (-len(link) % 4))
+        unpacking = zlib.decompressobj()
+        text = unpacking.decompress(packed, LONGEST_TEXT)
+        if not unpacking.eof:
+            raise ValueError
+        given = json.loads(text)
+        steps, t = given.pop("protocol", ()), given.pop("t", 0.0)
+    except (ValueError, TypeError, AttributeError, binascii.Error, zlib.error, RecursionError) as error:
+        raise InputError("link", link, rule, "copy the whole address") from error
+    return from_tables(given, steps, t)
+
+
+def _refuse_paths(steps: Any) -> None:
+    """Refuse steps that would read a file of the server."""
+    if isinstance(steps, Mapping):
+        if "path" in steps:
+            raise InputError("path", steps["path"], "left out in the explorer", "use cyclosis run for images")
+        steps = list(steps.values())
+    if isinstance(steps, list | tuple):
+        for item in steps:
+            _refuse_paths(item)
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return [_without_none(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+assert INTERVAL.name in {item.name for item in RUN}

@@ -1,0 +1,237 @@
+"""One visitor, from connection to farewell: asks come in, the cell goes on at its pace, pictures go out."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time as clock
+from collections.abc import Callable
+from concurrent.futures import Executor
+from typing import Any, Protocol
+
+from ..model.errors import InputError
+from . import messages, setup
+from .about import curves, preset
+from .session import Session
+
+WAITING = 64
+"""Asks that may wait; beyond, the connection is read no further."""
+UNSEEN = 2
+"""Pictures that may be on their way before the page says that it has drawn one."""
+MOST_PICTURES = 30.0
+"""Pictures sent in a second."""
+REFUSALS = 20
+"""Refused asks in a row after which the visit ends."""
+
+
+class Wire(Protocol):
+    """What a visit needs of a connection."""
+
+    async def text(self) -> str:
+        """Return the next message; raise once the visitor has left."""
+
+    async def say(self, text: str) -> None:
+        """Send text."""
+
+    async def show(self, data: bytes) -> None:
+        """Send a picture."""
+
+
+class Visit:
+    """A visitor's session and its pace. `go` returns when the visitor leaves or is idle too long."""
+
+    def __init__(self, wire: Wire, pool: Executor, idle_seconds: float) -> None:
+        self.wire, self.pool, self.idle_seconds = wire, pool, idle_seconds
+        self.asks: asyncio.Queue[str | None] = asyncio.Queue(WAITING)
+        self.session: Session | None = None
+        self.preset: str | None = None
+        self.playing, self.speed = False, 5.0
+        self.catching_up: float | None = None
+        self.sent, self.unseen, self.sent_at, self.due = 0, 0, 0.0, 0.0
+        self.refusals, self.stale = 0, False
+
+    async def go(self) -> None:
+        """Serve the visitor."""
+        reader = asyncio.create_task(self._read())
+        try:
+            heard = clock.monotonic()
+            while True:
+                ask = await self._next_ask(heard)
+                if ask is not None:
+                    heard = clock.monotonic()
+                    if ask == "":
+                        return
+                    await self._answer(ask)
+                elif clock.monotonic() - heard > self.idle_seconds:
+                    words = "This cell was left alone for long and has ended: reload the page to go on."
+                    await self._say(type="ended", sentence=words)
+                    return
+                await self._onward()
+        finally:
+            reader.cancel()
+
+    async def _read(self) -> None:
+        try:
+            while True:
+                await self.asks.put(await self.wire.text())
+        except Exception:
+            await self.asks.put("")
+
+    async def _next_ask(self, heard: float) -> str | None:
+        """Return the next ask, or None when it is time to compute."""
+        moving = self.session is not None and (self.playing or self.catching_up is not None)
+        wait = self.idle_seconds - (clock.monotonic() - heard) + 0.1
+        if moving and (self.unseen < UNSEEN or self.catching_up is not None):
+            wait = self.due - clock.monotonic()
+        if wait <= 0:
+            return None if self.asks.empty() else self.asks.get_nowait()
+        try:
+            return await asyncio.wait_for(self.asks.get(), wait)
+        except TimeoutError:
+            return None
+
+    async def _onward(self) -> None:
+        """Compute a moment if it is time, and show what there is to show."""
+        cell = self.session
+        if cell is None:
+            return
+        now = clock.monotonic()
+        moving = self.playing or self.catching_up is not None
+        if moving and now >= self.due and (self.unseen < UNSEEN or self.catching_up is not None):
+            try:
+                arrived = await self._away(cell.forward)
+            except InputError as error:
+                self.playing, self.catching_up = False, None
+                await self._refuse(error)
+                await self._tell()
+                return
+            if arrived:
+                self.stale = True
+                if self.catching_up is not None and cell.live.t >= self.catching_up - 1e-9:
+                    self.catching_up = None
+                    await self._tell()
+                pause = 0.0 if self.catching_up is not None else cell.live.every / self.speed
+                # What could not be kept up with is not made up for.
+                self.due = max(self.due + pause, clock.monotonic() - pause)
+        if self.stale and self.unseen < UNSEEN and clock.monotonic() - self.sent_at >= 1 / MOST_PICTURES:
+            await self._show()
+
+    async def _answer(self, text: str) -> None:
+        try:
+            await self._done(messages.understood(text))
+            self.refusals = 0
+        except InputError as error:
+            self.refusals += 1
+            await self._refuse(error)
+            if self.refusals >= REFUSALS:
+                raise ConnectionError("too many refused asks") from error
+
+    async def _done(self, ask: messages.Ask) -> None:
+        if isinstance(ask, messages.Seen):
+            self.unseen = max(0, self.unseen - 1)
+            return
+        if isinstance(ask, messages.Begin):
+            await self._begin(ask)
+            return
+        cell = self.session
+        if cell is None:
+            raise InputError("cell", None, "begun", "begin one")
+        if isinstance(ask, messages.Plain):
+            await self._plain(ask.do, cell)
+            return
+        if isinstance(ask, messages.Speed):
+            self.speed = ask.value
+        elif isinstance(ask, messages.Change):
+            await self._act(cell, lambda: cell.change(ask.values))
+        elif isinstance(ask, messages.Drug):
+            await self._act(cell, lambda: cell.drug(ask.name))
+        else:
+            await self._act(cell, lambda: cell.brush(ask.tables(cell.live.grid.length)))
+        await self._tell()
+
+    async def _plain(self, what: str, cell: Session) -> None:
+        if what == "hash":
+            await self._say(type="hash", t=cell.live.t, sha256=await self._away(cell.digest))
+        elif what == "curves":
+            await self._say(type="curves", **await self._away(lambda: curves(cell.live.params_now)))
+        elif what == "new_seed":
+            given = {name: dict(table) for name, table in cell.setup.tables.items()}
+            given["initial"]["seed"] = given["initial"].get("seed", 0) + 1
+            await self._open(setup.from_tables(given, cell.setup.steps), self.playing)
+        elif what == "step":
+            self.playing = False
+            await self._to_frame(cell, once=True)
+            self.stale = True
+            await self._tell()
+        else:
+            self.playing = what == "play"
+            self.due = clock.monotonic()
+            if not self.playing:
+                await self._to_frame(cell)
+            await self._tell()
+
+    async def _begin(self, ask: messages.Begin) -> None:
+        if ask.link is not None:
+            await self._open(setup.from_link(ask.link), False)
+        elif ask.preset is not None:
+            chosen = preset(ask.preset)
+            await self._open(setup.from_tables(chosen.tables, chosen.protocol), self.playing, ask.preset)
+        else:
+            await self._open(setup.from_tables(ask.setup or {}), self.playing)
+
+    async def _open(self, begun: setup.SetUp, playing: bool, name: str | None = None) -> None:
+        self.session = await self._away(lambda: Session(begun))
+        self.preset, self.playing, self.due = name, playing, clock.monotonic()
+        self.catching_up = begun.t if begun.t > 0 else None
+        self.stale = True
+        await self._tell(fresh=True)
+
+    async def _act(self, cell: Session, what: Callable[[], None]) -> None:
+        await self._to_frame(cell)
+        await self._away(what)
+        self.stale, self.sent_at = True, 0.0
+
+    async def _to_frame(self, cell: Session, once: bool = False) -> None:
+        """Go on to the next frame, if the cell stands between two, or `once` in any case."""
+        while once or not cell.live.at_frame:
+            if await self._away(cell.forward):
+                return
+
+    async def _tell(self, fresh: bool = False) -> None:
+        cell = self.session
+        assert cell is not None
+        live = cell.live
+        in_force = {
+            name: value if not getattr(value, "ndim", 0) else float(value.mean())
+            for name, value in live.params_now.items()
+        }
+        await self._say(
+            type="cell",
+            setup=cell.setup.filled(),
+            parameters=in_force,
+            special=cell.special(),
+            protocol=[{"at": step.at, "text": str(step)} for step in live.protocol],
+            link=cell.told().link(),
+            t=live.t,
+            playing=self.playing,
+            speed=self.speed,
+            catching_up=self.catching_up,
+            preset=self.preset,
+            fresh=fresh,
+        )
+
+    async def _show(self) -> None:
+        assert self.session is not None
+        picture = await self._away(self.session.picture)
+        self.unseen, self.sent_at, self.stale = self.unseen + 1, clock.monotonic(), False
+        await self.wire.show(picture)
+
+    async def _refuse(self, error: InputError) -> None:
+        await self._say(type="refused", sentence=str(error))
+
+    async def _say(self, **words: Any) -> None:
+        await self.wire.say(json.dumps(words))
+
+    async def _away(self, work: Callable[[], Any]) -> Any:
+        """Compute in a thread of the pool, where nothing keeps other visitors waiting."""
+        return await asyncio.get_running_loop().run_in_executor(self.pool, work)

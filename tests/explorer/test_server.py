@@ -1,0 +1,140 @@
+"""The server answers its own page, refuses others in a sentence, and survives hostile clients."""
+
+import json
+import struct
+
+import pytest
+from fastapi.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
+
+from cyclosis.explorer.server import Limits, application
+
+HOST = "http://localhost:8765"
+SETUP = {"grid": {"n_theta": 16, "n_z": 16}, "parameters": {"d_s": 0.2}}
+
+
+@pytest.fixture
+def client():
+    with TestClient(application(Limits(sessions=2, idle_seconds=30.0)), base_url=HOST) as client:
+        yield client
+
+
+def connect(client, **headers):
+    return client.websocket_connect("/cell", headers={"host": "localhost:8765"} | headers)
+
+
+def ask(socket, **words):
+    socket.send_text(json.dumps(words))
+
+
+def said(socket, kind):
+    """Return the next text of a kind; draws whatever pictures come before."""
+    for _ in range(200):
+        message = socket.receive()
+        if message["type"] == "websocket.close":
+            raise WebSocketDisconnect
+        if message.get("text"):
+            words = json.loads(message["text"])
+            if words["type"] == kind:
+                return words
+        else:
+            ask(socket, do="seen", frame=header(message["bytes"])["frame"])
+    raise AssertionError(f"nothing of type {kind} was said")
+
+
+def header(data):
+    return json.loads(data[8 : 8 + struct.unpack("<I", data[:4])[0]])
+
+
+def test_a_cell_plays_pauses_and_tells_the_same_hash_through_a_link(client):
+    with connect(client) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        assert said(socket, "cell")["fresh"]
+        ask(socket, do="speed", value=50)
+        ask(socket, do="play")
+        ask(socket, do="change", values={"alpha_p": 0.5})
+        for _ in range(3):
+            ask(socket, do="step")
+        ask(socket, do="hash")
+        found = said(socket, "hash")
+        ask(socket, do="pause")
+        cell = said(socket, "cell")
+        while cell["t"] < found["t"]:
+            cell = said(socket, "cell")
+    with connect(client) as socket:
+        ask(socket, do="begin", link=cell["link"])
+        while (again := said(socket, "cell"))["catching_up"] is not None:
+            pass
+        assert again["t"] == cell["t"]
+        assert again["link"] == cell["link"]
+        ask(socket, do="hash")
+        assert said(socket, "hash") == found
+
+
+def test_nonsense_is_refused_in_a_sentence_and_the_cell_lives_on(client):
+    with connect(client) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        said(socket, "cell")
+        for text in (
+            "",
+            "{",
+            "null",
+            '{"do": "change", "values": {"alpha_p": -1}}',
+            '{"do": "begin", "link": "x"}',
+        ):
+            socket.send_text(text)
+            assert "must be" in said(socket, "refused")["sentence"]
+        socket.send_bytes(b"\0" * 100)
+        assert "must be" in said(socket, "refused")["sentence"]
+        ask(socket, do="hash")
+        assert said(socket, "hash")["t"] == 0.0
+
+
+def test_who_talks_nonsense_only_is_let_go(client):
+    with connect(client) as socket:
+        for _ in range(30):
+            socket.send_text("nonsense")
+        with pytest.raises(WebSocketDisconnect):
+            said(socket, "never")
+
+
+def test_other_origins_and_names_are_refused(client):
+    for headers in ({"origin": "http://evil.example"}, {"host": "evil.example"}):
+        with pytest.raises(WebSocketDisconnect), connect(client, **headers):
+            pass
+    assert client.get("/api/about", headers={"host": "evil.example"}).status_code == 421
+    with connect(client, origin=HOST) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        assert said(socket, "cell")["t"] == 0
+
+
+def test_sessions_are_bounded_and_free_again_after_an_abrupt_close(client):
+    for _ in range(5):
+        with connect(client) as one, connect(client) as two:
+            ask(one, do="begin", setup=SETUP)
+            ask(two, do="begin", setup=SETUP)
+            said(one, "cell")
+            said(two, "cell")
+            with connect(client) as three:
+                assert "2 sessions" in said(three, "ended")["sentence"]
+
+
+def test_files_are_made_from_a_link(client, tmp_path):
+    with connect(client) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        for _ in range(3):
+            ask(socket, do="step")
+        cell = said(socket, "cell")
+        while cell["t"] < 0.3:
+            cell = said(socket, "cell")
+    got = client.get("/api/export/run.nc", params={"cell": cell["link"]})
+    assert got.status_code == 200
+    (tmp_path / "run.nc").write_bytes(got.content)
+    import cyclosis as cy
+
+    assert cy.load(tmp_path / "run.nc").t_final == pytest.approx(0.3)
+    assert b"t_end" in client.get("/api/export/cell.toml", params={"cell": cell["link"]}).content
+    for name, link in (("run.nc", "nonsense"), ("passwd", cell["link"])):
+        refused = client.get(f"/api/export/{name}", params={"cell": link})
+        assert refused.status_code == 400
+        assert "must be" in refused.json()["sentence"]

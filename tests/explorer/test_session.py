@@ -1,0 +1,132 @@
+"""A cell of the explorer is its exported protocol, to the bit; a link holds all of it."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import cyclosis as cy
+from cyclosis import config
+from cyclosis.experiments import NAMES
+from cyclosis.explorer import about, setup
+from cyclosis.explorer.captions import CAPTIONS
+from cyclosis.explorer.messages import understood
+from cyclosis.explorer.presets import PRESETS
+from cyclosis.explorer.session import Session
+from cyclosis.model.definitions import TERM_NAMES
+
+SMALL = {"grid": {"n_theta": 32, "n_z": 32}, "parameters": {"d_s": 0.05}}
+
+
+def forward(session, t):
+    while session.live.t < t:
+        session.forward()
+
+
+@pytest.fixture(scope="module")
+def scripted():
+    """A cell after a fixed script of actions."""
+    session = Session(setup.from_tables(SMALL))
+    forward(session, 1.0)
+    session.change({"alpha_p": 0.5})
+    session.change({"alpha_p": 0.4, "mu": 0.1})
+    forward(session, 1.5)
+    ask = {"do": "brush", "tool": "wound", "points": [[1.0, 1.0], [1.2, 4.99]], "radius": 0.6}
+    for tool in ("wound", "fragment", "align"):
+        session.brush(understood(json.dumps(ask | {"tool": tool})).tables(5.0))
+        forward(session, session.live.t + 0.3)
+    session.drug("cytochalasin")
+    forward(session, 3.0)
+    session.drug("wash_out")
+    forward(session, 4.0)
+    return session
+
+
+def test_the_exported_configuration_gives_the_same_bits(scripted):
+    tables = tomllib.loads(scripted.told().toml())
+    steps = tables.pop("protocol")
+    ready = config.setup(config.check(tables), steps)
+    run = cy.simulate(
+        ready.params, ready.grid, ready.state, protocol=ready.protocol, **ready.settings.as_dict()
+    )
+    assert run.t_final == scripted.live.t == 4.0
+    assert np.array_equal(run.final_state, scripted.live.state)
+
+
+def test_a_link_round_trip_gives_the_same_hash(scripted):
+    link = scripted.told().link()
+    other = Session(setup.from_link(link))
+    forward(other, 4.0)
+    assert other.digest() == scripted.digest()
+    assert other.told().link() == link
+
+
+def test_changes_at_one_time_are_one_step(scripted):
+    assert scripted.told().steps[0] == {"at": 1.0, "action": "change", "alpha_p": 0.4, "mu": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("tables", "steps", "part"),
+    [
+        ({"grid": {"n_z": 4096}}, (), "at most 128"),
+        ({"initial": {"kind": "file", "path": "x.nc"}}, (), "in the explorer"),
+        ({"run": {"t_end": 1e9}}, (), "decides on the others"),
+        ({"parameters": {"alpha_p": [[1.0]]}}, (), "numbers in the explorer"),
+        ({}, [{"at": 1, "where": {"parts": [{"shape": "image", "path": "x"}]}}], "left out"),
+        ([], (), "a set of tables"),
+    ],
+)
+def test_what_a_visitor_may_not_do_is_said(tables, steps, part):
+    with pytest.raises(cy.InputError, match=part):
+        setup.from_tables(tables, steps)
+
+
+@pytest.mark.parametrize("link", ["", "x", "A" * 50_000, "eNo", "é"])
+def test_a_text_that_is_no_link_is_refused(link):
+    with pytest.raises(cy.InputError, match="the part of an address"):
+        setup.from_link(link)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{}",
+        "[]",
+        "null",
+        "[" * 9999,
+        '{"do": "fly"}',
+        '{"do": "seen"}',
+        '{"do": "speed", "value": 1e9}',
+        '{"do": "play", "more": 1}',
+        '{"do": "brush", "tool": "wound", "points": [], "radius": 1}',
+    ],
+)
+def test_a_malformed_message_is_refused_in_a_sentence(text):
+    with pytest.raises(cy.InputError, match="must be"):
+        understood(text)
+
+
+def test_every_term_has_a_caption():
+    assert set(CAPTIONS) == set(TERM_NAMES)
+
+
+def test_every_experiment_has_a_cell():
+    names = [item.name for item in PRESETS]
+    assert len(set(names)) == len(names)
+    assert {name for name in NAMES if name != "circumferential"} <= set(names)
+
+
+@pytest.mark.parametrize("item", PRESETS, ids=lambda item: item.name)
+def test_presets_can_be_begun(item):
+    assert setup.from_tables(item.tables, item.protocol).ready().protocol is not None
+
+
+def test_the_page_is_told_of_every_setting():
+    told = about.about(60.0)
+    assert len(told["diagram"]["share"]) == len(told["diagram"]["alpha_p"]) == 20
+    assert all(item["usual"] or item["kind"] == "flag" for item in told["parameters"])
+    found = about.curves(cy.Parameters())
+    assert found["applies"]
+    assert len(found["curves"]) >= 3
