@@ -1,0 +1,55 @@
+/**
+ * Rows over time, bounded: once full, every second row goes, and from then on only every second comes in.
+ * The newest row is always there.
+ */
+export class History {
+  readonly columns: number[][];
+  /** Changes whenever rows do. */
+  version = 0;
+  private stride = 1;
+  private seen = 0;
+  /** Whether the last row stands there only because it is the newest. */
+  private loose = false;
+
+  constructor(
+    readonly width: number,
+    readonly bound = 4000,
+  ) {
+    this.columns = Array.from({ length: width }, () => []);
+  }
+
+  get length(): number {
+    return this.columns[0]!.length;
+  }
+
+  /** Add rows that stand one after another; rows that do not come after the last are left out. */
+  push(rows: ArrayLike<number>): void {
+    for (let start = 0; start + this.width <= rows.length; start += this.width) {
+      const times = this.columns[0]!;
+      if (times.length > 0 && !(rows[start]! > times.at(-1)!)) continue;
+      if (this.loose) for (const column of this.columns) column.pop();
+      this.columns.forEach((column, k) => column.push(rows[start + k]!));
+      this.loose = this.seen % this.stride !== 0;
+      this.seen += 1;
+      if (this.length > this.bound) this.thin();
+    }
+    this.version += 1;
+  }
+
+  clear(): void {
+    for (const column of this.columns) column.length = 0;
+    this.stride = 1;
+    this.seen = 0;
+    this.loose = false;
+    this.version += 1;
+  }
+
+  private thin(): void {
+    const last = this.length - 1;
+    this.columns.forEach((column, k) => {
+      this.columns[k] = column.filter((_, i) => i % 2 === 0 || i === last);
+    });
+    if (last % 2 === 1) this.loose = true;
+    this.stride *= 2;
+  }
+}

@@ -1,0 +1,69 @@
+import type { About, Ask, Frame, Said, Values } from '../protocol';
+
+export type Cell = Extract<Said, { type: 'cell' }>;
+export type Curves = Extract<Said, { type: 'curves' }>;
+
+interface Events {
+  cell: Cell;
+  frame: Frame;
+  curves: Curves;
+  hash: Extract<Said, { type: 'hash' }>;
+  look: null;
+}
+
+/** What the panels share: the definitions, the newest cell and frame, and a way to ask. */
+export class Hub {
+  cell: Cell | null = null;
+  frame: Frame | null = null;
+  private readonly listeners: { [K in keyof Events]?: ((value: Events[K]) => void)[] } = {};
+
+  private speed = 5;
+  private readonly waiting: (() => void)[] = [];
+
+  constructor(
+    readonly about: About,
+    private readonly send: (message: Ask) => void,
+    readonly toast: (sentence: string) => void,
+  ) {}
+
+  ask(message: Ask): void {
+    if (message.do === 'speed') this.speed = message.value;
+    this.send(message);
+  }
+
+  /** The cell as it is now, for its address: a running cell is told only when something is asked. */
+  async refresh(): Promise<void> {
+    if (!this.cell?.playing) return;
+    const told = new Promise<void>((done) => {
+      this.waiting.push(done);
+      setTimeout(done, 1000);
+    });
+    // The one ask that changes nothing.
+    this.ask({ do: 'speed', value: this.speed });
+    await told;
+  }
+
+  on<K extends keyof Events>(name: K, act: (value: Events[K]) => void): void {
+    const list = (this.listeners[name] ??= []) as ((value: Events[K]) => void)[];
+    list.push(act);
+  }
+
+  emit<K extends keyof Events>(name: K, value: Events[K]): void {
+    if (name === 'cell') {
+      this.cell = value as Cell;
+      this.speed = this.cell.speed;
+      for (const done of this.waiting.splice(0)) done();
+    }
+    if (name === 'frame') this.frame = value as Frame;
+    for (const act of this.listeners[name] ?? []) act(value);
+  }
+
+  /** The address of the present cell for the exports. */
+  get link(): string {
+    return this.cell?.link ?? '';
+  }
+
+  get parameters(): Values {
+    return this.cell?.parameters ?? {};
+  }
+}

@@ -1,0 +1,25 @@
+import type { Hub } from './hub';
+import { h, panel } from './dom';
+import { short } from './scales';
+
+/** What was done to this cell, and what will be. */
+export function interventions(hub: Hub): HTMLElement {
+  const list = h('ol', { id: 'interventions' });
+  const none = h('p', { class: 'note' }, 'Nothing yet. Whatever you change, cut or add is listed here and kept in the address.');
+  let shown = '';
+  let steps: [number, HTMLElement][] = [];
+  const mark = (t: number): void => steps.forEach(([at, item]) => item.classList.toggle('ahead', at > t));
+  hub.on('cell', (cell) => {
+    const text = JSON.stringify(cell.protocol);
+    if (text !== shown) {
+      shown = text;
+      steps = cell.protocol.map(({ at, text }) => [at, h('li', {}, h('span', { class: 'at' }, `t = ${short(at, 4)}`), ' ', text)]);
+      list.replaceChildren(...steps.map(([, item]) => item));
+      list.scrollTop = list.scrollHeight;
+      none.hidden = steps.length > 0;
+    }
+    mark(cell.t);
+  });
+  hub.on('frame', (frame) => mark(frame.t));
+  return panel('interventions', 'What was done', false, none, list);
+}

@@ -1,0 +1,81 @@
+import type { Palette } from '../protocol';
+import type { Hub } from './hub';
+import { h, panel } from './dom';
+
+type Theme = 'auto' | 'light' | 'dark';
+
+export interface LookTarget {
+  setPalette(palette: Palette): void;
+  setDark(dark: boolean): void;
+}
+
+const system = matchMedia('(prefers-color-scheme: dark)');
+
+function kept(name: string): string | null {
+  try {
+    return localStorage.getItem(`cyclosis-${name}`);
+  } catch {
+    return null;
+  }
+}
+
+function keep(name: string, value: string): void {
+  try {
+    localStorage.setItem(`cyclosis-${name}`, value);
+  } catch {
+    // A browser that keeps nothing still shows the choice.
+  }
+}
+
+export function keptTheme(): Theme {
+  const theme = kept('theme');
+  return theme === 'light' || theme === 'dark' ? theme : 'auto';
+}
+
+export function isDark(theme: Theme = keptTheme()): boolean {
+  return theme === 'dark' || (theme === 'auto' && system.matches);
+}
+
+export function keptPalette(palettes: Palette[]): Palette {
+  return palettes.find((p) => p.name === kept('palette')) ?? palettes[0]!;
+}
+
+/** Theme and colours. */
+export function look(hub: Hub, target: LookTarget): HTMLElement {
+  const theme = h(
+    'select', { id: 'theme', onchange: () => { keep('theme', theme.value); apply(); } },
+    ...(['auto', 'light', 'dark'] as const).map((value) => h('option', { value }, value === 'auto' ? 'as the system' : value)),
+  );
+  const palette = h(
+    'select', { id: 'palette', onchange: () => { keep('palette', palette.value); paint(); } },
+    ...hub.about.palettes.map((p) => h('option', { value: p.name }, p.title)),
+  );
+  theme.value = keptTheme();
+  palette.value = keptPalette(hub.about.palettes).name;
+  const apply = (): void => {
+    const dark = isDark(theme.value as Theme);
+    document.documentElement.dataset.theme = dark ? 'dark' : 'light';
+    target.setDark(dark);
+    paint();
+  };
+  const paint = (): void => {
+    const chosen = hub.about.palettes.find((p) => p.name === palette.value)!;
+    const stops = chosen.stops.map(([value, colour]) => `${colour} ${(50 * (value + 1)).toFixed(1)}%`);
+    document.documentElement.style.setProperty('--polarity', `linear-gradient(to right, ${stops.join(', ')})`);
+    // Lines of charts: deep colours on white, bright ones on black.
+    const strength = isDark(theme.value as Theme) ? 1 : 0.33;
+    for (const [name, value] of [['--up', strength], ['--down', -strength]] as const) {
+      const near = chosen.stops.reduce((best, stop) => (Math.abs(stop[0] - value) < Math.abs(best[0] - value) ? stop : best));
+      document.documentElement.style.setProperty(name, near[1]);
+    }
+    target.setPalette(chosen);
+    hub.emit('look', null);
+  };
+  system.addEventListener('change', apply);
+  apply();
+  return panel(
+    'look', 'Appearance', false,
+    h('div', { class: 'setting' }, h('label', { for: 'palette' }, 'Colours'), palette),
+    h('div', { class: 'setting' }, h('label', { for: 'theme' }, 'Theme'), theme),
+  );
+}

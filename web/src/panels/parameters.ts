@@ -1,0 +1,93 @@
+import type { Definition, Values } from '../protocol';
+import type { Cell, Hub } from './hub';
+import { h, mathematics, panel } from './dom';
+import { fromSlider, STEPS, toSlider } from './scales';
+import { throttle } from './throttle';
+
+/** Sliders and fields of all that can be changed in a living cell. */
+export function parameters(hub: Hub): HTMLElement {
+  let pending: Values = {};
+  const flush = throttle<null>(() => {
+    hub.ask({ do: 'change', values: pending });
+    pending = {};
+  }, 80);
+  const change = (name: string, value: number | boolean): void => {
+    pending[name] = value;
+    flush(null);
+  };
+  const rows = hub.about.parameters.map((definition) => new Row(definition, change));
+  hub.on('cell', (cell) => rows.forEach((row) => row.show(cell)));
+  return panel('parameters', 'Parameters', true, ...rows.map((row) => row.element));
+}
+
+class Row {
+  readonly element: HTMLElement;
+  private readonly field: HTMLInputElement;
+  private readonly slider: HTMLInputElement | null = null;
+  private readonly chip = h('span', { class: 'chip', hidden: true });
+  private readonly reset: HTMLButtonElement;
+  /** Until when the hand, and not the server, says what stands here. */
+  private held = 0;
+  private own: number | boolean = 0;
+
+  constructor(
+    private readonly definition: Definition,
+    private readonly change: (name: string, value: number | boolean) => void,
+  ) {
+    const { name, symbol, meaning, kind, usual } = definition;
+    const flag = kind === 'flag';
+    const id = `parameter-${name}`;
+    this.field = flag
+      ? h('input', { id, type: 'checkbox', onchange: () => this.set(this.field.checked) })
+      : h('input', {
+          id, type: 'number', min: definition.minimum, max: definition.maximum, step: 'any', inputmode: 'decimal',
+          onchange: () => this.typed(),
+        });
+    if (!flag && usual) {
+      this.slider = h('input', {
+        id: `slider-${name}`, type: 'range', min: 0, max: STEPS, step: 1, 'aria-label': `${name}: ${meaning}`,
+        oninput: () => this.set(fromSlider(Number(this.slider!.value), usual), false),
+      });
+    }
+    this.reset = h('button', {
+      id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': `reset ${name}`, onclick: () => this.set(this.own),
+    }, '↺');
+    const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning));
+    this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, label, this.chip, this.slider, this.field, this.reset);
+  }
+
+  show(cell: Cell): void {
+    const { name, default: fallback } = this.definition;
+    const value = cell.parameters[name];
+    this.own = (cell.setup.parameters[name] ?? fallback) as number | boolean;
+    const special = cell.special[name];
+    this.chip.hidden = !special;
+    this.chip.textContent = special === 'ramp' ? 'on a ramp' : 'differs from place to place';
+    if (Date.now() < this.held && !cell.fresh) return;
+    this.display(value as number | boolean);
+  }
+
+  private display(value: number | boolean | undefined, slider = true): void {
+    if (typeof value === 'boolean') this.field.checked = value;
+    else if (typeof value === 'number') {
+      this.field.value = String(Number(value.toPrecision(6)));
+      if (this.slider && slider) this.slider.value = String(toSlider(value, this.definition.usual!));
+      this.slider?.setAttribute('aria-valuetext', this.field.value);
+    } else this.field.value = '';
+    const same = value === this.own;
+    this.reset.disabled = same;
+    this.element.classList.toggle('changed', !same);
+    this.reset.title = `back to ${String(this.own)}`;
+  }
+
+  private typed(): void {
+    const value = this.field.valueAsNumber;
+    if (Number.isFinite(value)) this.set(value);
+  }
+
+  private set(value: number | boolean, slider = true): void {
+    this.held = Date.now() + 600;
+    this.display(value, slider);
+    this.change(this.definition.name, value);
+  }
+}

@@ -1,0 +1,25 @@
+/** Borders of the cells around increasing values: halfway, the first no lower than zero. */
+export function borders(values: number[]): number[] {
+  if (values.length === 1) return [Math.max(0, values[0]! - 0.5), values[0]! + 0.5];
+  const inner = values.slice(1).map((value, k) => (value + values[k]!) / 2);
+  const first = Math.max(0, 2 * values[0]! - inner[0]!);
+  return [first, ...inner, 2 * values.at(-1)! - inner.at(-1)!];
+}
+
+/** The place of the cell that holds a value; the nearest for values outside. */
+export function cellOf(edges: number[], value: number): number {
+  const k = edges.findIndex((edge) => value < edge);
+  return k < 0 ? edges.length - 2 : Math.max(0, k - 1);
+}
+
+/** The colour a share of the way from one "#rrggbb" to another. */
+export function mix(from: string, to: string, share: number): string {
+  const channel = (colour: string, k: number): number => parseInt(colour.slice(1 + 2 * k, 3 + 2 * k), 16);
+  const parts = [0, 1, 2].map((k) => Math.round(channel(from, k) + share * (channel(to, k) - channel(from, k))));
+  return `rgb(${parts.join(' ')})`;
+}
+
+/** Names of the parameters, other than the two axes, that are not as the diagram's. */
+export function others(computed: Record<string, unknown>, now: Record<string, unknown>): string[] {
+  return Object.keys(computed).filter((name) => name !== 'alpha_p' && name !== 'alpha_u' && now[name] !== undefined && now[name] !== computed[name]);
+}

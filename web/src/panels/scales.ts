@@ -1,0 +1,36 @@
+/** Steps of every slider. */
+export const STEPS = 1000;
+
+/** Whether a range is wide enough that equal steps should be equal ratios. */
+export function isLogarithmic([low, high]: [number, number]): boolean {
+  return low > 0 && high / low >= 100;
+}
+
+/** The place (0 to STEPS) of a value on a slider over `range`; values outside stand at an end. */
+export function toSlider(value: number, range: [number, number], logarithmic = isLogarithmic(range)): number {
+  const [low, high] = range;
+  if (high <= low) return 0;
+  const share = logarithmic
+    ? Math.log(Math.max(value, low) / low) / Math.log(high / low)
+    : (value - low) / (high - low);
+  return Math.round(STEPS * Math.min(1, Math.max(0, share)));
+}
+
+/** The value at a place of a slider, rounded to what the place can tell apart. */
+export function fromSlider(place: number, range: [number, number], logarithmic = isLogarithmic(range)): number {
+  const [low, high] = range;
+  const share = Math.min(1, Math.max(0, place / STEPS));
+  if (share === 0) return low;
+  if (share === 1) return high;
+  const value = logarithmic ? low * (high / low) ** share : low + share * (high - low);
+  return Number(value.toPrecision(3));
+}
+
+/** A number in few characters, for reading. */
+export function short(value: number, digits = 3): string {
+  if (!Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size < 1e-3 || size >= 1e5) return value.toExponential(Math.max(0, digits - 1)).replace('-', '−');
+  return String(Number(value.toPrecision(digits))).replace('-', '−');
+}

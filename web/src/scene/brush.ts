@@ -1,0 +1,65 @@
+// Strokes of a brush: points dense enough to join, sent in batches.
+
+export type Point = [number, number];
+
+const TURN = 2 * Math.PI;
+/** Milliseconds between batches. */
+const PAUSE = 80;
+/** Points in one batch at most. */
+const MOST = 100;
+
+/** The nearest copy of `to` as seen from `from`, with period `period`. */
+export function nearest(from: number, to: number, period: number): number {
+  return to - period * Math.round((to - from) / period);
+}
+
+export function wrap(value: number, period: number): number {
+  const wrapped = ((value % period) + period) % period;
+  return wrapped < period ? wrapped : 0;
+}
+
+export class Stroke {
+  private waiting: Point[] = [];
+  private last: Point | null = null;
+  private sent: number;
+
+  constructor(
+    private readonly send: (points: Point[], done: boolean) => void,
+    private readonly radius: number,
+    private readonly length: number,
+    now: number,
+  ) {
+    this.sent = now;
+  }
+
+  /** Add a point, and those between it and the one before, over the seam where that is shorter. */
+  add(point: Point, now: number): void {
+    if (this.last) {
+      const [theta, z] = this.last;
+      const dx = nearest(theta, point[0], TURN) - theta;
+      const dz = nearest(z, point[1], this.length) - z;
+      const step = Math.max(this.radius / 2.5, 0.02);
+      const distance = Math.hypot(dx, dz);
+      if (distance < step) return;
+      // A hand that lifts off the cell and comes back elsewhere has not painted in between.
+      const pieces = distance > 2 ? 1 : Math.ceil(distance / step);
+      for (let k = 1; k <= pieces; k++) {
+        this.waiting.push([wrap(theta + (k / pieces) * dx, TURN), wrap(z + (k / pieces) * dz, this.length)]);
+      }
+    } else {
+      this.waiting.push([wrap(point[0], TURN), wrap(point[1], this.length)]);
+    }
+    this.last = point;
+    // The newest point stays behind, so that the end of a stroke always has one to send.
+    if (now - this.sent >= PAUSE && this.waiting.length > 1) {
+      this.send(this.waiting.splice(0, Math.min(MOST, this.waiting.length - 1)), false);
+      this.sent = now;
+    }
+  }
+
+  end(): void {
+    while (this.waiting.length > MOST) this.send(this.waiting.splice(0, MOST), false);
+    if (this.waiting.length) this.send(this.waiting, true);
+    this.waiting = [];
+  }
+}

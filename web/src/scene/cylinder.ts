@@ -1,0 +1,169 @@
+// The cell as a cylinder, drawn with WebGL.
+
+import * as THREE from 'three';
+import type { Palette } from '../protocol';
+import type { Fields } from './fields';
+import { paletteTable, rgb } from './palette';
+import type { Particles } from './particles';
+import { endFragment, endVertex, surfaceFragment, surfaceVertex } from './shaders';
+import { Trails } from './trails';
+import type { View } from './view';
+
+const AROUND = 128;
+const COLOURS = 1024;
+
+export interface BrushMark {
+  theta: number;
+  z: number;
+  radius: number;
+  shown: boolean;
+}
+
+const linear = (hex: string): THREE.Vector3 => new THREE.Vector3(...rgb(hex)).divideScalar(255);
+
+export class Cylinder {
+  readonly renderer: THREE.WebGLRenderer;
+  private readonly scene = new THREE.Scene();
+  private readonly camera = new THREE.OrthographicCamera();
+  private readonly uniforms: Record<string, THREE.IUniform>;
+  private readonly surface: THREE.Mesh;
+  private readonly end: THREE.Mesh;
+  private readonly trails: Trails;
+  private order: THREE.DataTexture | null = null;
+  private readonly colours: THREE.DataTexture;
+  private version = -1;
+
+  /** Throws where WebGL 2 is not to be had. */
+  constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: true, stencil: false });
+    this.renderer.setClearColor(0, 0);
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the palette is shown as it is
+    this.colours = new THREE.DataTexture(paletteTable(palette, COLOURS), COLOURS, 1);
+    this.colours.magFilter = this.colours.minFilter = THREE.LinearFilter;
+    this.colours.needsUpdate = true;
+    this.uniforms = {
+      order: { value: null },
+      colours: { value: this.colours },
+      size: { value: new THREE.Vector2(1, 1) },
+      turn: { value: 0 },
+      tilt: { value: 0 },
+      cell: { value: 1 },
+      mixing: { value: 1 },
+      radius: { value: 1 },
+      pixel: { value: 1 },
+      height: { value: 0 },
+      brush: { value: new THREE.Vector4() },
+      zone: { value: linear(palette.zone) },
+      ink: { value: new THREE.Vector3() },
+      paper: { value: new THREE.Vector3() },
+      shade: { value: new THREE.Vector3() },
+    };
+    this.surface = this.mesh(ring(0, 1), surfaceVertex, surfaceFragment);
+    this.end = this.mesh(ring(0, 1), endVertex, endFragment);
+    this.trails = new Trails(particles, this.uniforms);
+    this.scene.add(this.surface, this.end, this.trails.mesh);
+    this.setDark(dark);
+  }
+
+  private mesh(geometry: THREE.BufferGeometry, vertexShader: string, fragmentShader: string): THREE.Mesh {
+    const { uniforms } = this;
+    const material = new THREE.ShaderMaterial({
+      glslVersion: THREE.GLSL3,
+      vertexShader,
+      fragmentShader,
+      uniforms,
+      side: THREE.DoubleSide,
+    });
+    const mesh = new THREE.Mesh(geometry, material);
+    mesh.frustumCulled = false;
+    return mesh;
+  }
+
+  setPalette(palette: Palette): void {
+    (this.colours.image.data as Uint8Array).set(paletteTable(palette, COLOURS));
+    this.colours.needsUpdate = true;
+    this.uniforms.zone.value = linear(palette.zone);
+  }
+
+  setDark(dark: boolean): void {
+    this.uniforms.ink.value = linear(dark ? '#09070b' : '#1b1720');
+    this.uniforms.paper.value = linear(dark ? '#3a3442' : '#f6f4f8');
+    this.uniforms.shade.value = linear(dark ? '#211d27' : '#d8d3df');
+  }
+
+  draw(fields: Fields, mixing: number, view: View, mark: BrushMark, ratio: number): void {
+    const { width, height } = view;
+    const { renderer, camera, uniforms } = this;
+    if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
+    renderer.getSize(size);
+    if (size.x !== width || size.y !== height) renderer.setSize(width, height, false);
+    if (fields.empty) {
+      renderer.clear();
+      return;
+    }
+    this.upload(fields);
+    const { scale, tilt } = view;
+    camera.left = -width / 2 / scale;
+    camera.right = -camera.left;
+    camera.top = height / 2 / scale;
+    camera.bottom = -camera.top;
+    const far = 2 * fields.length + 10;
+    camera.near = 0.1;
+    camera.far = 2 * far;
+    camera.position.set(0, view.centre + far * Math.sin(tilt), far * Math.cos(tilt));
+    camera.lookAt(0, view.centre, 0);
+    camera.updateProjectionMatrix();
+    uniforms.turn.value = view.turn;
+    uniforms.tilt.value = tilt;
+    uniforms.cell.value = fields.length;
+    uniforms.mixing.value = mixing;
+    uniforms.radius.value = scale * ratio;
+    uniforms.pixel.value = ratio;
+    uniforms.height.value = (tilt >= 0 ? 0.5 : -0.5) * fields.length;
+    uniforms.brush.value.set(mark.theta, mark.z, mark.radius, mark.shown ? 1 : 0);
+    this.trails.update(width, height, ratio);
+    renderer.render(this.scene, camera);
+  }
+
+  private upload(fields: Fields): void {
+    if (this.version === fields.version) return;
+    this.version = fields.version;
+    const { n_theta, n_z } = fields;
+    let { order } = this;
+    if (!order || order.image.width !== n_z || order.image.height !== n_theta || order.image.data !== fields.order) {
+      order?.dispose();
+      order = new THREE.DataTexture(fields.order, n_z, n_theta, THREE.RGBAFormat, THREE.FloatType);
+      this.order = this.uniforms.order.value = order;
+      this.uniforms.size.value.set(n_z, n_theta);
+    }
+    order.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.trails.dispose();
+    for (const mesh of [this.surface, this.end]) {
+      mesh.geometry.dispose();
+      (mesh.material as THREE.Material).dispose();
+    }
+    this.order?.dispose();
+    this.colours.dispose();
+    this.renderer.dispose();
+  }
+}
+
+const size = new THREE.Vector2();
+
+/** A band around the axis: (angle, from `low` to `high`) as the attribute `place`. */
+function ring(low: number, high: number): THREE.BufferGeometry {
+  const place = new Float32Array(4 * (AROUND + 1));
+  const index: number[] = [];
+  for (let k = 0, v = 0; k <= AROUND; k++, v += 2) {
+    const angle = (2 * Math.PI * k) / AROUND;
+    place.set([angle, low, angle, high], 4 * k);
+    if (k < AROUND) index.push(v, v + 2, v + 1, v + 1, v + 2, v + 3);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
+  geometry.setIndex(index);
+  return geometry;
+}

@@ -1,0 +1,98 @@
+// The last two frames, laid out for drawing, and the passage from one to the other.
+
+import type { Frame } from '../protocol';
+
+/** Milliseconds between frames that are believed; longer gaps are pauses, not a rhythm. */
+const BRIEFEST = 16;
+const LONGEST = 1500;
+
+export class Fields {
+  n_theta = 0;
+  n_z = 0;
+  length = 1;
+  /** Peak speed now, and the largest since the cell began. */
+  peak = 0;
+  largest = 0;
+  /** Number of the newest frame, -1 without any. */
+  frame = -1;
+  /** Counts frames taken, so that others see when something is new. */
+  version = 0;
+  /** Four values a point: P_z and |P| before, P_z and |P| now. */
+  order = new Float32Array(0);
+  /** Flow at the moment of the last `blend`: u_theta, u_z for each point. */
+  flow = new Float32Array(0);
+
+  private before = new Float32Array(0);
+  private now = new Float32Array(0);
+  private arrived = 0;
+  private interval = 60;
+
+  get empty(): boolean {
+    return this.frame < 0;
+  }
+
+  /** Take a new frame at time `at` (ms); what is seen then is where the passage to it begins. */
+  take(frame: Frame, at: number): void {
+    const points = frame.n_theta * frame.n_z;
+    const another =
+      this.empty || frame.n_theta !== this.n_theta || frame.n_z !== this.n_z || frame.length !== this.length;
+    if (another) {
+      if (this.order.length !== 4 * points) {
+        this.order = new Float32Array(4 * points);
+        this.flow = new Float32Array(2 * points);
+        this.before = new Float32Array(2 * points);
+        this.now = new Float32Array(2 * points);
+      }
+      this.n_theta = frame.n_theta;
+      this.n_z = frame.n_z;
+      this.length = frame.length;
+    }
+    const { order, before, now } = this;
+    const { P_theta, P_z, u_theta, u_z } = frame;
+    const m = another ? 0 : this.mixing(at);
+    for (let p = 0, q = 0, r = 0; p < points; p++, q += 4, r += 2) {
+      order[q] += m * (order[q + 2] - order[q]);
+      order[q + 1] += m * (order[q + 3] - order[q + 1]);
+      order[q + 2] = P_z[p];
+      order[q + 3] = Math.sqrt(P_theta[p] * P_theta[p] + P_z[p] * P_z[p]);
+      before[r] += m * (now[r] - before[r]);
+      before[r + 1] += m * (now[r + 1] - before[r + 1]);
+      now[r] = u_theta[p];
+      now[r + 1] = u_z[p];
+    }
+    if (another) {
+      for (let q = 0; q < order.length; q += 4) {
+        order[q] = order[q + 2];
+        order[q + 1] = order[q + 3];
+      }
+      before.set(now);
+    } else {
+      const gap = at - this.arrived;
+      if (gap < LONGEST) this.interval += 0.3 * (Math.max(gap, BRIEFEST) - this.interval);
+    }
+    this.arrived = at;
+    this.peak = frame.peak_speed;
+    this.largest = Math.max(this.largest, frame.peak_speed);
+    this.frame = frame.frame;
+    this.version++;
+  }
+
+  /** How far the passage has come at time `at` (ms), from 0 to 1. */
+  mixing(at: number): number {
+    return Math.min(1, Math.max(0, (at - this.arrived) / this.interval));
+  }
+
+  /** Bring `flow` to where the passage is. */
+  blend(mixing: number): void {
+    const { flow, before, now } = this;
+    for (let r = 0; r < flow.length; r++) flow[r] = before[r] + mixing * (now[r] - before[r]);
+  }
+
+  clear(): void {
+    this.frame = -1;
+    this.peak = 0;
+    this.largest = 0;
+    this.interval = 60;
+    this.version++;
+  }
+}

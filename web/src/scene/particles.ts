@@ -1,0 +1,100 @@
+// Tracer particles that the flow carries, shared by the cylinder and the map.
+
+import type { Fields } from './fields';
+import { flowAt } from './interpolate';
+
+/** Positions in a trail, the head included, and seconds between them. */
+export const TRAIL = 9;
+const BETWEEN = 0.055;
+/** Radii a second at the peak of the flow. */
+const PACE = 0.6;
+/** Below this share of the largest flow seen, particles slow with it, so that arrest is seen as arrest. */
+const SLOWS_BELOW = 0.15;
+const FADE = 0.6;
+
+const TURN = 2 * Math.PI;
+
+export class Particles {
+  readonly count: number;
+  /** Row k holds the positions k steps ago: theta, z, opacity, share of the peak speed. Unwrapped along a trail. */
+  readonly data: Float32Array;
+  /** How far the time to the next row has passed, 0 to 1. */
+  phase = 0;
+
+  private readonly age: Float32Array;
+  private readonly life: Float32Array;
+  private readonly pace: number;
+  private readonly velocity: [number, number] = [0, 0];
+  private length = 0;
+
+  constructor(
+    calm: boolean,
+    count = calm ? 320 : 900,
+    private readonly random: () => number = Math.random,
+  ) {
+    this.count = count;
+    this.pace = calm ? 0.4 * PACE : PACE;
+    this.data = new Float32Array(4 * count * TRAIL);
+    this.age = new Float32Array(count);
+    this.life = new Float32Array(count);
+  }
+
+  /** Spread anew over a cell; ages differ, so that they do not all fade at once. */
+  scatter(length: number): void {
+    this.length = length;
+    for (let n = 0; n < this.count; n++) {
+      this.renew(n);
+      this.age[n] = this.random() * this.life[n];
+    }
+  }
+
+  /** Move by `dt` seconds of wall time in the flow as last blended. */
+  step(fields: Fields, dt: number): void {
+    if (fields.length !== this.length) this.scatter(fields.length);
+    const reference = Math.max(fields.peak, SLOWS_BELOW * fields.largest);
+    const scale = reference > 1e-12 ? this.pace / reference : 0;
+    this.phase += dt / BETWEEN;
+    if (this.phase >= 1) {
+      this.data.copyWithin(4 * this.count, 0, 4 * this.count * (TRAIL - 1));
+      this.phase %= 1;
+    }
+    const { data, age, life, velocity, length } = this;
+    const { flow, n_theta, n_z } = fields;
+    const move = scale * dt;
+    for (let n = 0, p = 0; n < this.count; n++, p += 4) {
+      age[n] += dt;
+      if (age[n] > life[n]) {
+        this.renew(n);
+        continue;
+      }
+      const theta = data[p];
+      const z = data[p + 1];
+      flowAt(flow, n_theta, n_z, length, theta, z, velocity);
+      // Midpoint rule: circles stay circles.
+      flowAt(flow, n_theta, n_z, length, theta + 0.5 * move * velocity[0], z + 0.5 * move * velocity[1], velocity);
+      data[p] = theta + move * velocity[0];
+      data[p + 1] = z + move * velocity[1];
+      data[p + 2] = Math.min(1, age[n] / FADE, (life[n] - age[n]) / FADE);
+      data[p + 3] = reference > 0 ? Math.min(1, Math.hypot(velocity[0], velocity[1]) / reference) : 0;
+      if (data[p] < 0 || data[p] >= TURN) this.shift(p, 0, data[p] < 0 ? TURN : -TURN);
+      if (data[p + 1] < 0 || data[p + 1] >= length) this.shift(p, 1, data[p + 1] < 0 ? length : -length);
+    }
+  }
+
+  private shift(p: number, component: number, by: number): void {
+    for (let k = 0, q = p + component; k < TRAIL; k++, q += 4 * this.count) this.data[q] += by;
+  }
+
+  private renew(n: number): void {
+    this.age[n] = 0;
+    this.life[n] = 3 + 3 * this.random();
+    const theta = this.random() * TURN;
+    const z = this.random() * this.length;
+    for (let k = 0, p = 4 * n; k < TRAIL; k++, p += 4 * this.count) {
+      this.data[p] = theta;
+      this.data[p + 1] = z;
+      this.data[p + 2] = 0;
+      this.data[p + 3] = 0;
+    }
+  }
+}

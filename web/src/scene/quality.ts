@@ -1,0 +1,46 @@
+// How many pictures a second are drawn, and how many pixels that leaves.
+
+const RATIOS = [2, 1, 0.75];
+const SLOW = 20;
+
+export class Quality {
+  frames = 0;
+  /** Device pixels for a CSS pixel, at most. */
+  limit = RATIOS[0];
+
+  private readonly times: number[] = [];
+  private busy = 0;
+  private drawn = 0;
+  private slow = 0;
+
+  /** Count a picture drawn at `now` (ms), `since` the one before; true when the limit has become lower. */
+  count(now: number, since: number): boolean {
+    this.frames++;
+    this.times.push(now);
+    while (this.times.length && this.times[0] <= now - 1000) this.times.shift();
+    if (since > 600) return false; // hidden, or nothing to draw
+    this.busy += since;
+    this.drawn++;
+    if (this.busy < 1000) return false;
+    this.slow = (1000 * this.drawn) / this.busy < SLOW ? this.slow + 1 : 0;
+    this.busy = 0;
+    this.drawn = 0;
+    // One slow second may be the page that loads.
+    if (this.slow < 2) return false;
+    this.slow = 0;
+    const lower = RATIOS.find((ratio) => ratio < Math.min(this.limit, window.devicePixelRatio || 1));
+    if (lower === undefined) return false;
+    this.limit = lower;
+    return true;
+  }
+
+  fps(now: number): number {
+    let k = 0;
+    while (k < this.times.length && this.times[k] <= now - 1000) k++;
+    return this.times.length - k;
+  }
+
+  get ratio(): number {
+    return Math.min(window.devicePixelRatio || 1, this.limit);
+  }
+}

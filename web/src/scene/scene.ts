@@ -1,0 +1,215 @@
+// The cell as it is seen: the cylinder and the unwrapped map, drawn from the frames of the server.
+
+import type { Frame, Palette } from '../protocol';
+import { Control, type Tool } from './control';
+import { Cylinder } from './cylinder';
+import { Fields } from './fields';
+import { UnwrappedMap } from './map';
+import { Particles } from './particles';
+import { beside } from './picture';
+import { Quality } from './quality';
+import { View } from './view';
+
+export type { Tool } from './control';
+
+export interface SceneOptions {
+  cylinder: HTMLElement;
+  map: HTMLElement;
+  palette: Palette;
+  dark: boolean;
+}
+
+/** Milliseconds between redrawings of the map's colours, and of its streamlines. */
+const MAP_EVERY = 60;
+const LINES_EVERY = 330;
+
+export class Scene {
+  playing = false;
+  onDrawn: ((frame: number) => void) | null = null;
+  onStroke: ((points: [number, number][], done: boolean) => void) | null = null;
+
+  private readonly canvas = document.createElement('canvas');
+  private readonly fields = new Fields();
+  private readonly view = new View();
+  private readonly particles = new Particles(matchMedia('(prefers-reduced-motion: reduce)').matches);
+  private readonly map: UnwrappedMap;
+  private readonly control: Control;
+  private readonly quality = new Quality();
+  private readonly observer = new ResizeObserver(() => this.resize());
+  private cylinder: Cylinder | null = null;
+  private missing: string | null = null;
+  private lost = false;
+
+  private request = 0;
+  private last = 0;
+  private lastShown = -1;
+  private mapped = { at: 0, version: -1, mixing: -1 };
+  private linesAt = 0;
+  /** Something other than the cell has changed: the map anew, everything anew. */
+  private stale = true;
+  private dirty = true;
+
+  constructor(private readonly options: SceneOptions) {
+    const { palette, dark } = options;
+    this.map = new UnwrappedMap(palette, this.particles);
+    const label = (canvas: HTMLCanvasElement, text: string): void => {
+      canvas.tabIndex = 0;
+      canvas.setAttribute('role', 'application');
+      canvas.setAttribute('aria-label', text);
+    };
+    label(this.canvas, 'The cell as a cylinder. Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.');
+    label(
+      this.map.moving,
+      'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cylinder.',
+    );
+    this.map.still.setAttribute('aria-hidden', 'true');
+    place(options.cylinder, this.canvas);
+    place(options.map, this.map.still, this.map.moving);
+    this.canvas.style.touchAction = 'none';
+    try {
+      this.cylinder = new Cylinder(this.canvas, this.particles, palette, dark);
+    } catch {
+      this.missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
+      this.canvas.hidden = true;
+    }
+    this.canvas.addEventListener('webglcontextlost', this.onLost);
+    this.canvas.addEventListener('webglcontextrestored', this.onRestored);
+    const changed = (): void => {
+      this.dirty = true;
+    };
+    this.control = new Control(this.canvas, this.map, this.view, this.fields, changed);
+    this.control.onStroke = (points, done) => this.onStroke?.(points, done);
+    this.observer.observe(options.cylinder);
+    this.observer.observe(options.map);
+    this.resize();
+    this.request = requestAnimationFrame(this.loop);
+  }
+
+  get webgl(): string | null {
+    return this.missing ?? (this.lost ? 'The browser has taken WebGL away for the moment; the map goes on.' : null);
+  }
+
+  get statistics(): { frames: number; fps: number; lastShown: number } {
+    return { frames: this.quality.frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown };
+  }
+
+  show(frame: Frame): void {
+    const { length } = this.fields;
+    const first = this.fields.empty;
+    this.fields.take(frame, performance.now());
+    if (first || frame.length !== length) {
+      this.view.length = frame.length;
+      this.view.hold();
+      this.particles.scatter(frame.length);
+      this.control.mark.z = Math.min(this.control.mark.z, 0.5 * frame.length);
+      this.linesAt = 0;
+      this.resize();
+    }
+    this.dirty = true;
+  }
+
+  setPalette(palette: Palette): void {
+    this.map.raster.setPalette(palette);
+    this.map.zone = palette.zone;
+    this.cylinder?.setPalette(palette);
+    this.stale = this.dirty = true;
+  }
+
+  setDark(dark: boolean): void {
+    this.cylinder?.setDark(dark);
+    this.stale = this.dirty = true;
+  }
+
+  setTool(tool: Tool, radius: number): void {
+    this.control.setTool(tool, radius);
+  }
+
+  clear(): void {
+    this.fields.clear();
+    this.lastShown = -1;
+    this.stale = this.dirty = true;
+  }
+
+  async png(): Promise<Blob> {
+    // Drawn in the same breath: the browser keeps no WebGL picture for later.
+    this.draw(performance.now(), true);
+    const map = [this.map.still, this.map.moving];
+    const groups = this.cylinder && !this.lost ? [[this.canvas], map] : [map];
+    return beside(groups, this.options.cylinder);
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.request);
+    this.observer.disconnect();
+    this.control.dispose();
+    this.canvas.removeEventListener('webglcontextlost', this.onLost);
+    this.canvas.removeEventListener('webglcontextrestored', this.onRestored);
+    this.cylinder?.dispose();
+    for (const canvas of [this.canvas, this.map.still, this.map.moving]) canvas.remove();
+  }
+
+  private readonly onLost = (event: Event): void => {
+    event.preventDefault(); // or it never comes back
+    this.lost = true;
+  };
+
+  private readonly onRestored = (): void => {
+    this.lost = false;
+    this.dirty = true;
+  };
+
+  private resize(): void {
+    const { cylinder, map } = this.options;
+    this.view.width = Math.max(1, cylinder.clientWidth);
+    this.view.height = Math.max(1, cylinder.clientHeight);
+    this.view.hold();
+    this.map.fit(map.clientWidth, map.clientHeight, this.view.length, this.quality.ratio);
+    this.stale = this.dirty = true;
+  }
+
+  private readonly loop = (now: number): void => {
+    this.request = requestAnimationFrame(this.loop);
+    const since = now - this.last;
+    const { fields } = this;
+    // Without a change nothing is drawn: a cell that is paused costs nothing.
+    const moves = this.playing && !fields.empty;
+    const passes = this.mapped.version !== fields.version || this.mapped.mixing < 1;
+    if (!moves && !this.dirty && !(passes && !fields.empty)) return;
+    this.last = now;
+    if (moves) this.particles.step(fields, Math.min(since, 100) / 1000);
+    this.draw(now, false);
+    if (this.quality.count(now, since)) this.resize();
+    if (!fields.empty && fields.frame !== this.lastShown) {
+      this.lastShown = fields.frame;
+      this.onDrawn?.(fields.frame);
+    }
+  };
+
+  private draw(now: number, everything: boolean): void {
+    const { fields, map, view, control, mapped } = this;
+    this.dirty = false;
+    const mixing = fields.mixing(now);
+    fields.blend(mixing);
+    const changed = mapped.version !== fields.version || mapped.mixing !== mixing;
+    if (everything || this.stale || (changed && now - mapped.at >= MAP_EVERY)) {
+      if (now - this.linesAt >= LINES_EVERY) {
+        map.layStreamlines(fields);
+        this.linesAt = now;
+      }
+      map.drawStill(fields, mixing);
+      this.mapped = { at: now, version: fields.version, mixing };
+      this.stale = false;
+    }
+    map.drawMoving(fields, control.mark, view.turn);
+    if (!this.lost) this.cylinder?.draw(fields, mixing, view, control.mark, this.quality.ratio);
+  }
+}
+
+/** Lay canvases over each other so that they fill their host. */
+function place(host: HTMLElement, ...canvases: HTMLCanvasElement[]): void {
+  if (getComputedStyle(host).position === 'static') host.style.position = 'relative';
+  for (const canvas of canvases) {
+    Object.assign(canvas.style, { position: 'absolute', left: '0', top: '0', width: '100%', height: '100%' });
+    host.append(canvas);
+  }
+}

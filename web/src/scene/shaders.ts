@@ -1,0 +1,170 @@
+// Shaders of the cylinder, its ends and the particles on it.
+
+export const surfaceVertex = /* glsl */ `
+in vec2 place; // theta, and height from 0 to 1
+uniform float turn;
+uniform float cell;
+out vec2 at;
+out vec3 outward;
+void main() {
+  at = vec2(place.x, place.y * cell);
+  outward = vec3(sin(place.x - turn), 0.0, cos(place.x - turn));
+  gl_Position = projectionMatrix * viewMatrix * vec4(outward.x, (place.y - 0.5) * cell, outward.z, 1.0);
+}`;
+
+export const surfaceFragment = /* glsl */ `
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+uniform sampler2D order;   // P_z, |P| before; P_z, |P| now
+uniform sampler2D colours;
+uniform ivec2 size;        // n_z, n_theta
+uniform float cell;
+uniform float mixing;
+uniform float radius;      // device pixels of the cylinder's radius
+uniform float pixel;       // device pixels of a CSS pixel
+uniform float tilt;
+uniform vec3 zone;
+uniform vec3 ink;
+uniform vec4 brush;        // theta, z, radius, shown or not
+in vec2 at;
+in vec3 outward;
+out vec4 colour;
+
+vec4 cubic(float t) {
+  return 0.5 * vec4(
+    t * (-1.0 + t * (2.0 - t)),
+    2.0 + t * t * (3.0 * t - 5.0),
+    t * (1.0 + t * (4.0 - 3.0 * t)),
+    t * t * (t - 1.0));
+}
+
+vec2 value(vec2 where) {
+  vec2 x = vec2(where.y / cell, where.x / 6.283185307179586) * vec2(size);
+  vec2 whole = floor(x);
+  vec4 across = cubic(x.x - whole.x);
+  vec4 along = cubic(x.y - whole.y);
+  ivec2 base = (ivec2(whole) + size) % size;
+  ivec4 i = (ivec4(base.x) + ivec4(-1, 0, 1, 2) + size.x) % size.x;
+  ivec4 j = (ivec4(base.y) + ivec4(-1, 0, 1, 2) + size.y) % size.y;
+  vec4 sum = vec4(0.0);
+  for (int m = 0; m < 4; m++) {
+    sum += along[m] * (
+      across.x * texelFetch(order, ivec2(i.x, j[m]), 0) +
+      across.y * texelFetch(order, ivec2(i.y, j[m]), 0) +
+      across.z * texelFetch(order, ivec2(i.z, j[m]), 0) +
+      across.w * texelFetch(order, ivec2(i.w, j[m]), 0));
+  }
+  return mix(sum.xy, sum.zw, mixing);
+}
+
+void main() {
+  vec2 P = value(at);
+  float facing = max(outward.z, 0.0);
+  vec3 base = texture(colours, vec2(0.5 + 0.5 * clamp(P.x, -1.0, 1.0), 0.5)).rgb;
+  float light = 0.50 + 0.50 * pow(facing, 0.55);
+  float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34));
+  colour = vec4(base * light + 0.045 * gloss, 1.0);
+
+  // The indifferent zone: as wide everywhere, gone where there is no order, or order but no direction up or down.
+  float slope = length(vec2(dFdx(P.x), dFdy(P.x))) + 1e-7;
+  float line = 1.0 - smoothstep(1.25 * pixel - 0.6, 1.25 * pixel + 0.6, abs(P.x) / slope);
+  line *= smoothstep(0.06, 0.2, P.y) * smoothstep(0.04, 0.2, slope * radius / max(P.y, 1e-4));
+  colour.rgb = mix(colour.rgb, zone * (0.72 + 0.28 * sqrt(facing)), line);
+
+  vec2 off = at - brush.xy;
+  off = vec2(off.x - 6.283185307179586 * round(off.x / 6.283185307179586), off.y - cell * round(off.y / cell));
+  float distance = length(off);
+  // Not fwidth: it would see the seam.
+  float across = 1.0 / (radius * max(facing, 0.15));
+  float ring = 1.0 - smoothstep(0.5 * pixel, 0.5 * pixel + 1.2, abs(distance - brush.z) / across);
+  float inside = 1.0 - smoothstep(0.0, 1.0, (distance - brush.z) / across);
+  colour.rgb = mix(colour.rgb, vec3(1.0), brush.w * (0.9 * ring + 0.14 * inside * (1.0 - ring)));
+
+  // Outline, drawn inwards so that it needs no multisampling.
+  float side = radius * (1.0 - abs(outward.x));
+  float end = min(at.y, cell - at.y) * radius * cos(tilt);
+  colour.rgb = mix(ink, colour.rgb, smoothstep(0.0, 1.4 * pixel, min(side, end)));
+}`;
+
+export const endVertex = /* glsl */ `
+in vec2 place; // angle, and distance from the axis
+uniform float height;
+out vec2 disc;
+void main() {
+  disc = place.y * vec2(sin(place.x), cos(place.x));
+  gl_Position = projectionMatrix * viewMatrix * vec4(disc.x, height, disc.y, 1.0);
+}`;
+
+export const endFragment = /* glsl */ `
+precision highp float;
+uniform vec3 paper;
+uniform vec3 shade;
+uniform vec3 ink;
+uniform float radius;
+uniform float pixel;
+uniform float tilt;
+in vec2 disc;
+out vec4 colour;
+void main() {
+  float r = length(disc);
+  vec3 soft = mix(paper, shade, smoothstep(0.35, 1.0, r) * (0.75 + 0.25 * disc.y));
+  // Distance to the rim in pixels: the disc is seen from the side.
+  float steep = length(vec2(disc.x, disc.y / max(abs(sin(tilt)), 0.02))) / max(r, 1e-3);
+  float rim = radius * (1.0 - r) / max(steep, 1.0);
+  colour = vec4(mix(ink, soft, smoothstep(0.0, 1.4 * pixel, rim)), 1.0);
+}`;
+
+export const trailVertex = /* glsl */ `
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+in vec3 place; // particle, row, side
+uniform highp sampler2D trail;
+uniform float turn;
+uniform float cell;
+uniform float phase;
+uniform float rows;
+uniform float width;
+uniform vec2 screen; // device pixels
+out float opacity;
+out float height;
+
+vec3 onSurface(vec2 p) {
+  return vec3(1.004 * sin(p.x - turn), p.y - 0.5 * cell, 1.004 * cos(p.x - turn));
+}
+
+void main() {
+  int n = int(place.x);
+  int k = int(place.y);
+  vec4 here = texelFetch(trail, ivec2(n, k), 0);
+  vec2 ahead = texelFetch(trail, ivec2(n, max(k - 1, 0)), 0).xy;
+  vec2 behind = texelFetch(trail, ivec2(n, min(k + 1, int(rows) - 1)), 0).xy;
+  vec3 surface = onSurface(here.xy);
+  vec4 point = projectionMatrix * viewMatrix * vec4(surface, 1.0);
+  vec2 a = (projectionMatrix * viewMatrix * vec4(onSurface(ahead), 1.0)).xy;
+  vec2 b = (projectionMatrix * viewMatrix * vec4(onSurface(behind), 1.0)).xy;
+  vec2 way = (a - b) * screen;
+  float size = length(way);
+  way = size > 1e-3 ? way / size : vec2(0.0, 1.0);
+  float along = k == 0 ? 1.0 : 1.0 - (place.y - 1.0 + phase) / (rows - 1.0);
+  along = max(along, 0.0);
+  float facing = surface.z;
+  float half_width = 0.5 * width * (0.25 + 0.75 * along);
+  point.xy += vec2(-way.y, way.x) * place.z * 2.0 * half_width / screen;
+  gl_Position = point;
+  height = here.y;
+  opacity = here.z * along * along * smoothstep(0.0, 0.45, facing) * (0.25 + 0.75 * smoothstep(0.0, 0.35, here.w));
+}`;
+
+export const trailFragment = /* glsl */ `
+precision highp float;
+uniform float cell;
+uniform vec3 tint;
+in float opacity;
+in float height;
+out vec4 colour;
+void main() {
+  if (height < 0.0 || height > cell) discard;
+  colour = vec4(tint, 0.85 * opacity);
+}`;
