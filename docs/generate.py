@@ -1,6 +1,6 @@
-"""Write the tables of settings and quantities from their definitions, and the claims from their data.
+"""Write the tables of settings and quantities from their definitions, and what follows from stored data.
 
-python docs/generate.py            # writes docs/settings.md, docs/quantities.md and docs/claims.md
+python docs/generate.py            # writes the files named in `PAGES`
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def claims() -> str:
 
 def phase_diagram() -> str:
     """Return the computed phase diagram for the explorer's page, as JSON."""
-    with xarray.open_dataset(HERE / "data" / "figure5.nc") as data:
+    with xarray.open_dataset(HERE / "data" / "figure5.nc", engine="h5netcdf") as data:
         cyclosis = data["regime"].isin([REGIMES.index("cyclosis")])
         share = (100 * cyclosis.mean("seed")).round().astype(int)
         configuration = json.loads(data.attrs["configuration"])
@@ -165,15 +165,20 @@ def phase_diagram() -> str:
             "alpha_u": data["alpha_u"].values.round(6).tolist(),
             "share": share.transpose("alpha_p", "alpha_u").values.tolist(),
             "parameters": configuration["parameters"],
-            "caption": f"Share of {data.sizes['seed']} runs at each point that end in cyclosis.",
+            "caption": f"How many per cent of {data.sizes['seed']} disordered cells at each point become "
+            "cyclosis, each followed until its end was certain.",
         }
     return json.dumps(found) + "\n"
 
 
-EXPLORER = HERE.parent / "src" / "cyclosis" / "explorer" / "figure5.json"
-PAGES = {"settings.md": settings, "quantities.md": quantities, "claims.md": claims}
+PAGES = {
+    "settings.md": settings,
+    "quantities.md": quantities,
+    "claims.md": claims,
+    "../src/cyclosis/explorer/figure5.json": phase_diagram,
+}
+"""Paths from this folder, and what stands there."""
 
 if __name__ == "__main__":
     for name, page in PAGES.items():
         (HERE / name).write_text(page())
-    EXPLORER.write_text(phase_diagram())

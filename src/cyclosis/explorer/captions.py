@@ -1,12 +1,12 @@
 """The terms of the filament equation, each in a sentence for a person who has never heard of the model."""
 
 CAPTIONS = {
-    "advection": "The moving cytoplasm carries filaments along.",
-    "shear": "Where neighbouring layers slide past each other, filaments are turned, as straws in a stream.",
-    "bundling": "Neighbouring filaments stick together and agree on a direction: they bundle into cables.",
-    "flow_alignment": "The flow combs filaments into its own direction, and motors on them drive it onward.",
-    "repulsion": "The wound wall of the cell resists filaments that run around it, so that cables run along.",
-    "diffusion": "Directions spread to neighbours, which smooths out differences.",
-    "rotational_diffusion": "Random turning destroys order, all the time and everywhere.",
+    "advection": "The streaming fluid carries filaments along, as far as they are free to go.",
+    "shear": "Where fluid slides past fluid it turns the filaments between, as it turns straws in a brook.",
+    "bundling": "Neighbouring filaments stick together and point the same way, so that cables form.",
+    "flow_alignment": "Filaments turn to point the way the fluid flows, and their motors then drive it on.",
+    "repulsion": "Filaments avoid one direction, around the cell, and so come to lie along it.",
+    "diffusion": "Filaments wander, which smooths out differences between one place and the next.",
+    "rotational_diffusion": "Filaments turn at random, which undoes order always and everywhere.",
 }
 """By the name of the term."""

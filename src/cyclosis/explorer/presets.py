@@ -1,9 +1,15 @@
-"""Cells to begin with: the paper's figure, the regimes, and the cells of the experiments."""
+"""Cells to begin with: the paper's figure, every regime, and the cell of every experiment.
+
+What the texts promise was seen in runs; `tests/explorer/test_presets.py` repeats some of them.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import pi
 from typing import Any, Literal
+
+Table = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -14,133 +20,273 @@ class Preset:
     group: Literal["figures", "regimes", "experiments"]
     title: str
     text: str
-    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
-    protocol: tuple[dict[str, Any], ...] = ()
+    tables: dict[str, Table] = field(default_factory=dict)
+    protocol: tuple[Table, ...] = ()
 
 
-_STRIPES = {"kind": "stripes", "filaments_per_square": 1000.0}
+def _cell(
+    start: Table | None = None, grid: Table | None = None, every: float | None = None, **parameters: float
+) -> dict[str, Table]:
+    run = {"save_every": every} if every else {}
+    tables = {"parameters": parameters, "grid": grid, "initial": start, "run": run}
+    return {name: table for name, table in tables.items() if table}
 
 
-def _regime(name: str, text: str, **tables: dict[str, Any]) -> Preset:
-    return Preset(name, "regimes", name.replace("-", " "), text, tables)
-
-
-def _experiment(name: str, text: str, *protocol: dict[str, Any], **tables: dict[str, Any]) -> Preset:
-    return Preset(name, "experiments", name.replace("-", " "), text, tables, protocol)
-
-
-def _change(at: float, **more: Any) -> dict[str, Any]:
+def _change(at: float, **more: Any) -> Table:
     return {"at": at, "action": "change"} | more
 
 
-def _fragment(at: float, **more: Any) -> dict[str, Any]:
+def _fragment(at: float, **more: Any) -> Table:
     return {"at": at, "action": "fragment"} | more
 
 
-_DISC = {"shape": "disc", "theta": 3.14, "z": 2.5, "radius": 1.5}
-_WASH = {"action": "wash_out"}
+def _align(at: float, angle: float, magnitude: float, start: float, stop: float) -> Table:
+    where = {"shape": "band", "axis": "theta", "start": start, "stop": stop}
+    return {"at": at, "action": "align", "angle": angle, "magnitude": magnitude, "where": where}
 
-PRESETS = (
+
+def _wash_out(at: float, **more: Any) -> Table:
+    return {"at": at, "action": "wash_out"} | more
+
+
+_UP, _DOWN = round(pi / 2, 6), round(-pi / 2, 6)
+# Established stripes, with the noise of as many filaments as leave |P| <= 1.
+_STRIPES = {"kind": "stripes", "filaments_per_square": 4000.0}
+# As long as the explorer's finest grid resolves well: 9 points a radius.
+_LONG = {"n_theta": 48, "n_z": 128}
+
+FIGURES = (
     Preset(
         "figure4",
         "figures",
         "Figure 4: cyclosis emerges",
-        "Disorder becomes patches, patches become streams, and two stripes remain.",
-        {"parameters": {"alpha_p": 1.0, "alpha_u": 0.5}, "grid": {"n_theta": 64, "n_z": 64, "length": 5.0}},
-    ),
-    _regime(
-        "disordered",
-        "Bundling is too weak against random turning: no order lasts.",
-        parameters={"alpha_p": 0.01, "alpha_u": 0.02},
-    ),
-    _regime(
-        "unidirectional",
-        "Bundling alone can make all filaments agree; with no way back, nothing flows.",
-        parameters={"alpha_p": 0.5, "alpha_u": 0.025},
-        initial={"kind": "unidirectional"},
-    ),
-    _regime("cyclosis", "Two stripes, up one half and down the other.", initial=dict(_STRIPES)),
-    _regime(
-        "multistripe",
-        "Four stripes last for a while, but fewer are more stable: watch two of them go.",
-        initial=_STRIPES | {"stripes": 4},
-    ),
-    _regime(
-        "circumferential",
-        "Without the wall's resistance filaments may run around the cell.",
-        parameters={"kappa": 0.0},
-        initial={"kind": "circumferential"},
-    ),
-    _experiment("emergence", "From disorder: order grows in patches, which merge."),
-    _experiment(
-        "shear-straightening",
-        "Strong shear and advection; do the stripes straighten sooner?",
-        parameters={"epsilon": 0.5},
-    ),
-    _experiment(
-        "equal-stripes",
-        "Whatever patches there are at first, the two stripes end equally wide.",
-        initial={"seed": 5},
-    ),
-    _experiment(
-        "recovery",
-        "Everything is fragmented at t = 20 with bundling arrested, and washed out at t = 40.",
-        _change(20.0, alpha_p=0.0),
-        _fragment(20.0),
-        _WASH | {"at": 40.0},
-        initial=dict(_STRIPES),
-    ),
-    _experiment(
-        "surviving-seeds",
-        "All but one cable is fragmented at t = 10: what survives decides where the stripes come back.",
-        _fragment(10.0, where={"shape": "band", "axis": "theta", "start": 1.2, "stop": 1.6, "invert": True}),
-        initial=dict(_STRIPES),
-    ),
-    _experiment(
-        "cytochalasin",
-        "Bundling is poisoned from the beginning: flow alone must align. Wash it out and see.",
-        parameters={"alpha_p": 0.0, "alpha_u": 0.2},
-    ),
-    _experiment(
-        "myosin-inhibition",
-        "Without flow alignment order still grows, but two stripes need not.",
-        parameters={"alpha_u": 0.0},
-    ),
-    _experiment(
-        "coalescence",
-        "A long cell: many domains meet and join into two stripes.",
-        grid={"n_theta": 48, "n_z": 96, "length": 15.0},
-    ),
-    _experiment(
-        "circumferential-cell",
-        "Stripes that lose the wall's resistance at t = 10: do they turn?",
-        _change(10.0, kappa=0.0),
-        initial=dict(_STRIPES),
-    ),
-    _experiment(
-        "weak-repulsion", "A wall that resists little: stripes tilt and turn.", parameters={"kappa": 0.1}
-    ),
-    _experiment(
-        "force-law", "Another force law, F = P: does the pattern care?", parameters={"force_exponent": 0.0}
-    ),
-    _experiment(
-        "wound",
-        "A wound at t = 10 heals from its edges.",
-        _fragment(10.0, where=_DISC),
-        initial=dict(_STRIPES),
-    ),
-    _experiment(
-        "ablation",
-        "From t = 10 a patch of the wall carries no bundling at all.",
-        _fragment(10.0, where=_DISC),
-        _change(10.0, where=_DISC, alpha_p=0.0),
-        initial=dict(_STRIPES),
-    ),
-    _experiment(
-        "timescales", "Locally fast, then across, then along: compare the times.", initial={"seed": 3}
-    ),
-    _experiment("cell-shape", "A long, slender cell.", grid={"n_theta": 48, "n_z": 128, "length": 20.0}),
-    _experiment(
-        "twist", "A wall whose resistance is oblique twists the stripes.", parameters={"repulsion_angle": 0.2}
+        "From disorder, patches of order grow, meet and merge, until two stripes stream past each other. "
+        "Wound them, take bundling or alignment away, or begin from another seed.",
+        _cell({"seed": 0}, {"n_theta": 64, "n_z": 64, "length": 5.0}, alpha_p=1.0, alpha_u=0.5),
     ),
 )
+
+REGIMES = (
+    Preset(
+        "disordered",
+        "regimes",
+        "Disorder",
+        "Random turning (d_r = 0.025) beats bundling (α_p = 0.02), and what order there is fades. Raise α_p "
+        "beyond d_r and order comes.",
+        _cell(alpha_p=0.02),
+    ),
+    Preset(
+        "unidirectional",
+        "regimes",
+        "One direction",
+        "With hardly any alignment by flow one direction takes the whole cell; nothing can stream, since "
+        "no fluid passes the ends. Raise α_u to 0.8: the order tips over and becomes two stripes.",
+        _cell({"seed": 0}, alpha_u=0.025),
+    ),
+    Preset(
+        "cyclosis",
+        "regimes",
+        "Cyclosis",
+        "Strong alignment by flow: two stripes stand by t = 15 and are equally wide by t = 50. Fragment or "
+        "turn any part of them, and the pattern comes back.",
+        _cell({"seed": 1}, alpha_p=0.5, alpha_u=1.0),
+    ),
+    Preset(
+        "multistripe",
+        "regimes",
+        "Four stripes",
+        "Theory says that four stripes are unstable, but so weakly that they outlast your patience, and "
+        "wounds heal. Turn or fragment one of them from end to end, and two are left.",
+        _cell(_STRIPES | {"stripes": 4}, alpha_u=0.1),
+    ),
+    Preset(
+        "circumferential-streaming",
+        "regimes",
+        "Around the axis",
+        "No direction is avoided (κ = 0), and filaments come to run around the cell, where flow has no ends "
+        "to stop it. Give κ back to turn them upright.",
+        _cell(kappa=0.0),
+    ),
+    Preset(
+        "travelling",
+        "regimes",
+        "Stripes that turn",
+        "With κ below 0.4707 the two stripes tilt and turn about the axis, once in some 870 time units, "
+        "without ever changing. Slide κ to 0.1 and they turn the other way round.",
+        _cell(kappa=0.3),
+    ),
+    Preset(
+        "oscillating",
+        "regimes",
+        "Stripes that oscillate",
+        "In a sliver of the diagram no steady state is stable: the downward stripe narrows and widens "
+        "again for ever, about every 600 time units. Turn up the speed, and watch the mean of P_z.",
+        _cell({"kind": "stripes", "magnitude": 0.4}, every=0.5, alpha_p=0.042, alpha_u=0.1059),
+        (_align(0.0, _UP, 0.4, 3.1416, 4.1416),),
+    ),
+)
+
+EXPERIMENTS = (
+    Preset(
+        "emergence",
+        "experiments",
+        "Emergence",
+        "The paper: order begins in patches and spreads, by starts and stops, until two streams fill the "
+        "cell. It does so by t = 20, but without stops. Other seeds take between 10 and 40 time units.",
+        _cell({"seed": 12}),
+    ),
+    Preset(
+        "shear-straightening",
+        "experiments",
+        "Straightening by shear",
+        "The paper: shear straightens the zones between streams. From t = 12 on filaments feel no shear "
+        "(ε = 0), and the zones straighten as well. With ε = 0.4 strong bends go sooner, the last "
+        "of them later.",
+        _cell({"seed": 22}),
+        (_change(12.0, epsilon=0.0),),
+    ),
+    Preset(
+        "equal-stripes",
+        "experiments",
+        "Equal stripes",
+        "The stripes are made unequal, and flow makes them equal: at a rate of 0.014 at this α_u, and of "
+        "0.064 after t = 100, where α_u is 0.5. Make them unequal again with the brush.",
+        _cell(_STRIPES, alpha_u=0.1),
+        (
+            _align(5.0, _UP, 0.9, 3.1416, 3.9),
+            _change(100.0, alpha_u=0.5),
+            _align(100.0, _UP, 0.9, 3.1416, 3.9),
+        ),
+    ),
+    Preset(
+        "recovery",
+        "experiments",
+        "Recovery",
+        "At t = 20 bundling is stopped and all cables fall apart; at t = 40 the drug is washed out. Two "
+        "equal stripes come back, somewhere else: another seed, another place.",
+        _cell(_STRIPES),
+        (_change(20.0, alpha_p=0.0), _fragment(20.0), _wash_out(40.0)),
+    ),
+    Preset(
+        "surviving-seeds",
+        "experiments",
+        "Surviving seeds",
+        "As in recovery, but a piece of one cable survives, half a percent of all filaments. It is enough "
+        "for the stripes to come back in their old place.",
+        _cell(_STRIPES),
+        (
+            _change(5.0, alpha_p=0.0),
+            _fragment(
+                5.0,
+                where={
+                    "shape": "box",
+                    "theta0": 1.4,
+                    "theta1": 1.75,
+                    "z0": 2.0,
+                    "z1": 2.5,
+                    "invert": True,
+                },
+            ),
+            _wash_out(25.0),
+        ),
+    ),
+    Preset(
+        "cytochalasin",
+        "experiments",
+        "Cytochalasin",
+        "At t = 10 bundling is stopped, and yet the stripes stream on, hardly slower. Only at t = 60, when "
+        "all cables are fragmented too, does streaming stop. Wash the drug out, or try α_u = 0.2.",
+        _cell(_STRIPES),
+        (_change(10.0, alpha_p=0.0), _fragment(60.0)),
+    ),
+    Preset(
+        "myosin-inhibition",
+        "experiments",
+        "Myosin inhibition",
+        "From disorder without alignment by flow, the stripes are unequal and stay so. The drug is washed "
+        "out at t = 80, and they become equal; with seed 0 one direction is left instead.",
+        _cell({"seed": 1}),
+        (_change(0.0, alpha_u=0.0), _wash_out(80.0)),
+    ),
+    Preset(
+        "coalescence",
+        "experiments",
+        "Coalescence",
+        "The upward stripe is narrow, and without alignment by flow its two borders attract each other and "
+        "meet by t = 60. Begin again with α_u = 0.075: now flow drives them apart.",
+        _cell({"kind": "stripes"}, alpha_p=0.1, alpha_u=0.0),
+        (_align(0.0, _DOWN, 0.9, 2.14, 6.2831),),
+    ),
+    Preset(
+        "circumferential",
+        "experiments",
+        "A lost cue",
+        "At t = 20 filaments lose the cue that keeps them along the cell (κ = 0) and turn around the axis. "
+        "At t = 120 it is given back, and two stripes stand upright again.",
+        _cell(_STRIPES),
+        (_change(20.0, kappa=0.0), _wash_out(120.0)),
+    ),
+    Preset(
+        "weak-repulsion",
+        "experiments",
+        "Weak repulsion",
+        "At t = 20 repulsion falls to κ = 0.3, where stripes tilt and turn, and at t = 120 to 0.02, where "
+        "filaments run around the axis. Find the κ at which they stand upright: theory says 0.4707.",
+        _cell(_STRIPES),
+        (_change(20.0, kappa=0.3), _change(120.0, kappa=0.02)),
+    ),
+    Preset(
+        "force-law",
+        "experiments",
+        "The force law",
+        "Motors here push in proportion to order (n = 0). When bundling stops and all cables are fragmented "
+        "at t = 20, streaming comes back; begin again with n = 2 and it does not.",
+        _cell(_STRIPES, force_exponent=0.0),
+        (_change(20.0, alpha_p=0.0), _fragment(20.0)),
+    ),
+    Preset(
+        "wound",
+        "experiments",
+        "A wound",
+        "At t = 10 all filaments in a disc are fragmented; within a few time units the wound has healed to "
+        "the old pattern. Make larger ones with the brush.",
+        _cell(_STRIPES),
+        (_fragment(10.0, where={"shape": "disc", "theta": 3.1416, "z": 2.5, "radius": 1.5}),),
+    ),
+    Preset(
+        "ablation",
+        "experiments",
+        "One process at a time",
+        "Bundling alone makes order, but no lasting stripes. Alignment by flow, from t = 20, turns it around "
+        "the axis; repulsion, from t = 80, stands it upright: only together they make cyclosis.",
+        _cell(alpha_u=0.0, kappa=0.0),
+        (_change(20.0, alpha_u=0.5), _change(80.0, kappa=0.5)),
+    ),
+    Preset(
+        "timescales",
+        "experiments",
+        "Times of a motor",
+        "Flow aligns filaments only if motors turn them before they let go. Here they cease to, from t = 40 "
+        "to 60: stripes last, but once fragmented, at t = 80, one direction takes over.",
+        _cell(_STRIPES),
+        (_change(40.0, over=20.0, alpha_u=0.0), _fragment(80.0)),
+    ),
+    Preset(
+        "cell-shape",
+        "experiments",
+        "A longer cell",
+        "Thirteen radii instead of five. By t = 40 two stripes run along the whole cell, but their bends "
+        "take the longer to straighten, the longer they are.",
+        _cell(grid=_LONG | {"length": 13.0}),
+    ),
+    Preset(
+        "twist",
+        "experiments",
+        "Twist",
+        "Filaments avoid a direction tilted by 0.4, and their easy way winds just once about a cell as long "
+        "as this. So do its stripes; with seed 2 they stay straight and only the filaments lean.",
+        _cell({"seed": 0}, _LONG | {"length": 14.86}, repulsion_angle=0.4),
+    ),
+)
+
+PRESETS: tuple[Preset, ...] = (*FIGURES, *REGIMES, *EXPERIMENTS)

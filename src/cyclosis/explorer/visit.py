@@ -18,6 +18,8 @@ WAITING = 64
 """Asks that may wait; beyond, the connection is read no further."""
 UNSEEN = 2
 """Pictures that may be on their way before the page says that it has drawn one."""
+PATIENCE = 5.0
+"""Seconds for which a cell goes on while the page draws nothing, as one in a hidden tab."""
 MOST_PICTURES = 30.0
 """Pictures sent in a second."""
 REFUSALS = 20
@@ -47,7 +49,7 @@ class Visit:
         self.preset: str | None = None
         self.playing, self.speed = False, 5.0
         self.catching_up: float | None = None
-        self.sent, self.unseen, self.sent_at, self.due = 0, 0, 0.0, 0.0
+        self.unseen, self.seen_at, self.sent_at, self.due = 0, 0.0, 0.0, 0.0
         self.refusals, self.stale = 0, False
 
     async def go(self) -> None:
@@ -81,7 +83,7 @@ class Visit:
         """Return the next ask, or None when it is time to compute."""
         moving = self.session is not None and (self.playing or self.catching_up is not None)
         wait = self.idle_seconds - (clock.monotonic() - heard) + 0.1
-        if moving and (self.unseen < UNSEEN or self.catching_up is not None):
+        if moving and self._watched():
             wait = self.due - clock.monotonic()
         if wait <= 0:
             return None if self.asks.empty() else self.asks.get_nowait()
@@ -90,6 +92,11 @@ class Visit:
         except TimeoutError:
             return None
 
+    def _watched(self) -> bool:
+        """Whether someone still looks at what is computed, or waits for it."""
+        waits = self.catching_up is not None or self.unseen < UNSEEN
+        return waits or clock.monotonic() - self.seen_at < PATIENCE
+
     async def _onward(self) -> None:
         """Compute a moment if it is time, and show what there is to show."""
         cell = self.session
@@ -97,7 +104,7 @@ class Visit:
             return
         now = clock.monotonic()
         moving = self.playing or self.catching_up is not None
-        if moving and now >= self.due and (self.unseen < UNSEEN or self.catching_up is not None):
+        if moving and now >= self.due and self._watched():
             try:
                 arrived = await self._away(cell.forward)
             except InputError as error:
@@ -128,7 +135,7 @@ class Visit:
 
     async def _done(self, ask: messages.Ask) -> None:
         if isinstance(ask, messages.Seen):
-            self.unseen = max(0, self.unseen - 1)
+            self.unseen, self.seen_at = max(0, self.unseen - 1), clock.monotonic()
             return
         if isinstance(ask, messages.Begin):
             await self._begin(ask)

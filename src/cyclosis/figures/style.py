@@ -15,24 +15,16 @@ from matplotlib.figure import Figure
 
 from ..model.errors import InputError
 from ..model.grid import Array
+from .colours import GREEN, PURPLE, diverging
+from .colours import ZONE as ZONE
 
-# Green ends lighter than purple, so that the two directions stay apart in grayscale and for every kind of
-# colour vision, while both are nearly black at P_z = 0. The steps are closer near zero: weak order shows.
-_PURPLE = ("#16111b", "#472860", "#74399f", "#9757c8", "#b377e3")
-_GREEN = ("#101811", "#2b5232", "#458951", "#63bf74", "#87ec98")
-_MAGNITUDE = (0.0, 0.1, 0.33, 0.64, 1.0)
 POLARITY = LinearSegmentedColormap.from_list(
-    "polarity",
-    [(0.5 - 0.5 * m, colour) for m, colour in zip(reversed(_MAGNITUDE), reversed(_GREEN), strict=True)]
-    + [(0.5 + 0.5 * m, colour) for m, colour in zip(_MAGNITUDE, _PURPLE, strict=True)],
-    N=1024,
+    "polarity", [(0.5 + 0.5 * value, colour) for value, colour in diverging(GREEN, PURPLE)], N=1024
 )
 """Colours of P_z from -1 (green) through 0 (nearly black) to 1 (purple), darker for smaller |P_z|."""
 
 INK = "#1b1720"
 """Text, outlines and streamlines."""
-ZONE = "#ffffff"
-"""Indifferent zones."""
 QUIET = "#a9a4b0"
 """Guides that should be found but not noticed."""
 PAPER = "#f3f1f5"

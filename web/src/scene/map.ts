@@ -78,7 +78,7 @@ export class UnwrappedMap {
   }
 
   drawStill(fields: Fields, mixing: number): void {
-    const context = this.still.getContext('2d')!;
+    const context = this.still.getContext('2d', { willReadFrequently: true })!;
     const { box, ratio } = this;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, this.width, this.height);
@@ -177,7 +177,7 @@ export class UnwrappedMap {
 
   /** Particles, the brush, and a mark at the angle that faces the viewer of the cylinder. */
   drawMoving(fields: Fields, mark: BrushMark, turn: number): void {
-    const context = this.moving.getContext('2d')!;
+    const context = this.moving.getContext('2d', { willReadFrequently: true })!;
     const { box, ratio } = this;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, this.width, this.height);

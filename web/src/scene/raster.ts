@@ -16,7 +16,7 @@ const FULL = 0.2;
 export class Raster {
   readonly canvas = document.createElement('canvas');
   readonly zones = new Pieces();
-  private readonly context = this.canvas.getContext('2d', { alpha: false })!;
+  private readonly context = this.canvas.getContext('2d', { alpha: false, willReadFrequently: true })!;
   private enlarger: Enlarger | null = null;
   private image: ImageData | null = null;
   private bytes = new Uint32Array(0);
