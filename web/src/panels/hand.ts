@@ -69,7 +69,7 @@ export function hand(hub: Hub, target: HandTarget): Hand {
     angleRow,
     h('details', { class: 'inner' }, h('summary', {}, 'Brush by numbers'),
       h('div', { class: 'row' }, mathematics('θ'), theta, mathematics('z'), z, apply)),
-    h('div', { class: 'row wrap', role: 'group', 'aria-label': 'Drugs' },
+    h('div', { class: 'row wrap drugs', role: 'group', 'aria-label': 'Drugs' },
       ...DRUGS.map(([name, title, tip]) =>
         h('button', { id: `drug-${name.replace('_', '-')}`, title: tip, onclick: () => hub.ask({ do: 'drug', name }) }, title))),
   );

@@ -1,7 +1,7 @@
 import uPlot from 'uplot';
 import type { Trace } from '../protocol';
 import type { Hub } from './hub';
-import { h } from './dom';
+import { h, mathematics } from './dom';
 import { History } from './history';
 
 const SHARED: [RegExp, string][] = [
@@ -20,6 +20,9 @@ export function grouped(traces: Trace[]): { title: string; columns: number[] }[]
   return [...groups].map(([title, columns]) => ({ title, columns }));
 }
 
+/** A symbol without the brackets of its mean, which the title says. */
+const plain = (symbol: string): string => symbol.replace(/[<>⟨⟩]/g, '').replace('theta', 'θ');
+
 /** The recorded numbers over time, and the mean along the axis against the angle. */
 export function traces(hub: Hub): HTMLElement {
   const { traces: recorded } = hub.about;
@@ -27,7 +30,7 @@ export function traces(hub: Hub): HTMLElement {
   const hosts: [HTMLElement, uPlot, () => uPlot.AlignedData][] = [];
   const add = (title: string, tip: string, x: string, lines: [string, string][], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
     const host = h('div', { class: 'plot' });
-    const keys = lines.map(([name, colour]) => h('span', { class: 'key', style: `--line: var(${colour})` }, name));
+    const keys = lines.map(([name, colour]) => h('span', { class: 'key', style: `--line: var(${colour})` }, name && mathematics(name)));
     const figure = h('figure', { class: 'chart', title: tip }, h('figcaption', {}, h('strong', {}, title), ' ', ...keys), host);
     hosts.push([host, chart(host, x, lines, range), data]);
     return figure;
@@ -35,7 +38,7 @@ export function traces(hub: Hub): HTMLElement {
   const pick = (k: number): Trace => recorded[k - 1]!;
   const charts = grouped(recorded).map(({ title, columns }) =>
     add(title, columns.map((k) => pick(k).meaning).join('; '), 't',
-      columns.map((k, i) => [columns.length > 1 ? pick(k).symbol : '', COLOURS[i % COLOURS.length]!]),
+      columns.map((k, i) => [columns.length > 1 ? plain(pick(k).symbol) : '', COLOURS[i % COLOURS.length]!]),
       () => [history.columns[0]!, ...columns.map((k) => history.columns[k]!)] as uPlot.AlignedData));
 
   let angles = new Float64Array();
@@ -90,10 +93,12 @@ function chart(host: HTMLElement, x: string, lines: [string, string][], range?: 
     height: 90,
     legend: { show: false },
     cursor: { show: false },
-    padding: [6, 8, 0, 0],
-    scales: { x: { time: false }, y: range ? { range: (_, low, high) => [Math.min(range[0], low ?? 0), Math.max(range[1], high ?? 0)] } : {} },
+    padding: [6, 10, 0, 0],
+    scales: { x: { time: false, ...(range ? { range: [0, 2 * Math.PI] } : {}) }, y: range ? { range: (_, low, high) => [Math.min(range[0], low ?? 0), Math.max(range[1], high ?? 0)] } : {} },
     axes: [
-      { ...axis(), size: 22, space: 44, values: (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4)))) },
+      range
+        ? { ...axis(), size: 22, splits: () => [0, Math.PI, 2 * Math.PI], values: () => ['0', `${x} = π`, '2π'] }
+        : { ...axis(), size: 22, space: 44, values: (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4)))) },
       { ...axis(), size: 36, space: 22 },
     ],
     series: [{}, ...lines.map(([, colour]) => ({ stroke: () => style(colour), width: 1.6, points: { show: false } }))],
