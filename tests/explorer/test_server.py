@@ -138,3 +138,12 @@ def test_files_are_made_from_a_link(client, tmp_path):
         refused = client.get(f"/api/export/{name}", params={"cell": link})
         assert refused.status_code == 400
         assert "must be" in refused.json()["sentence"]
+
+
+def test_curves_of_theory_come_while_the_cell_goes_on(client):
+    with connect(client) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        ask(socket, do="curves")
+        ask(socket, do="hash")
+        assert said(socket, "hash")["t"] == 0.0
+        assert said(socket, "curves")["applies"]

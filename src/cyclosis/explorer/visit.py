@@ -10,6 +10,7 @@ from concurrent.futures import Executor
 from typing import Any, Protocol
 
 from ..model.errors import InputError
+from ..model.parameters import Parameters
 from . import messages, setup
 from .about import curves, preset
 from .session import Session
@@ -51,6 +52,7 @@ class Visit:
         self.catching_up: float | None = None
         self.unseen, self.seen_at, self.sent_at, self.due = 0, 0.0, 0.0, 0.0
         self.refusals, self.stale = 0, False
+        self.curves: asyncio.Task[None] | None = None
 
     async def go(self) -> None:
         """Serve the visitor."""
@@ -71,6 +73,8 @@ class Visit:
                 await self._onward()
         finally:
             reader.cancel()
+            if self.curves is not None:
+                self.curves.cancel()
 
     async def _read(self) -> None:
         try:
@@ -160,7 +164,8 @@ class Visit:
         if what == "hash":
             await self._say(type="hash", t=cell.live.t, sha256=await self._away(cell.digest))
         elif what == "curves":
-            await self._say(type="curves", **await self._away(lambda: curves(cell.live.params_now)))
+            if self.curves is None or self.curves.done():  # they take seconds, in which the cell goes on
+                self.curves = asyncio.create_task(self._curves(cell.live.params_now))
         elif what == "new_seed":
             given = {name: dict(table) for name, table in cell.setup.tables.items()}
             given["initial"]["seed"] = given["initial"].get("seed", 0) + 1
@@ -176,6 +181,9 @@ class Visit:
             if not self.playing:
                 await self._to_frame(cell)
             await self._tell()
+
+    async def _curves(self, params: Parameters) -> None:
+        await self._say(type="curves", **await self._away(lambda: curves(params)))
 
     async def _begin(self, ask: messages.Begin) -> None:
         if ask.link is not None:

@@ -4,7 +4,7 @@ import { borders, cellOf, mix, others } from './plane';
 import { short } from './scales';
 import { debounce } from './throttle';
 
-const LEFT = 38, BELOW = 30, ABOVE = 6, RIGHT = 8, HEIGHT = 270;
+const LEFT = 46, BELOW = 30, ABOVE = 6, RIGHT = 8, HEIGHT = 270;
 const DASHES: number[][] = [[], [7, 4], [2, 3], [8, 3, 2, 3], [12, 4]];
 
 /** The map of fates over both alignments: where this cell stands, and a way to go elsewhere. */
@@ -27,7 +27,7 @@ export function diagram(hub: Hub): HTMLElement {
   const y = (value: number): number => HEIGHT - BELOW - (value / yMost) * (HEIGHT - BELOW - ABOVE);
   const chance = (a: number, b: number): number => share[cellOf(xs, a)]![cellOf(ys, b)]!;
   const tell = (a: number, b: number, verb: string): void => {
-    here.textContent = `${verb} α_p = ${short(a)}, α_u = ${short(b)}` + (a <= xMost && b <= yMost ? `: ${Math.round(chance(a, b))} % of runs became cyclosis` : '');
+    here.textContent = `${verb} αₚ = ${short(a)}, αᵤ = ${short(b)}` + (a <= xMost && b <= yMost && others(parameters, hub.parameters).length === 0 ? `: ${Math.round(chance(a, b))} % of runs became cyclosis` : '');
   };
 
   const draw = (): void => {
@@ -40,12 +40,14 @@ export function diagram(hub: Hub): HTMLElement {
     const style = getComputedStyle(canvas);
     const colour = (name: string): string => style.getPropertyValue(name).trim();
     pen.scale(scale, scale);
+    const dot = (place: number): number => Math.round(place * scale) / scale;
     const moved = others(parameters, hub.parameters).length > 0;
     pen.globalAlpha = moved ? 0.35 : 1;
     share.forEach((row, i) => row.forEach((percent, j) => {
       pen.fillStyle = mix(colour('--share-none'), colour('--share-all'), percent / 100);
-      const [left, top] = [x(xs[i]!), y(ys[j + 1]!)];
-      pen.fillRect(left, top, x(xs[i + 1]!) - left + 0.5, y(ys[j]!) - top + 0.5);
+      // On whole dots, so that neighbours neither overlap nor gape.
+      const [left, top] = [dot(x(xs[i]!)), dot(y(ys[j + 1]!))];
+      pen.fillRect(left, top, dot(x(xs[i + 1]!)) - left, dot(y(ys[j]!)) - top);
     }));
     pen.globalAlpha = 1;
     axes(pen, colour('--ink'), colour('--quiet'));
@@ -73,11 +75,11 @@ export function diagram(hub: Hub): HTMLElement {
     }
     pen.font = 'italic 13px Georgia, serif';
     pen.textAlign = 'center';
-    pen.fillText('α_p  bundling', (LEFT + width - RIGHT) / 2, HEIGHT - 3);
+    pen.fillText('αₚ  bundling', (LEFT + width - RIGHT) / 2, HEIGHT - 3);
     pen.save();
     pen.translate(10, HEIGHT / 2 - 8);
     pen.rotate(-Math.PI / 2);
-    pen.fillText('α_u  flow alignment', 0, 0);
+    pen.fillText('αᵤ  flow alignment', 0, 0);
     pen.restore();
   };
 
@@ -119,7 +121,17 @@ export function diagram(hub: Hub): HTMLElement {
     if (curves && !curves.applies) note.append(' The lines of theory do not hold for this cell.');
   };
   const go = (a: number, b: number): void => hub.ask({ do: 'change', values: { alpha_p: round(a), alpha_u: round(b) } });
-  const askCurves = debounce(() => hub.ask({ do: 'curves' }), 400);
+  // Theory takes the server a while, and the cell with it: only lines that are looked at are asked for.
+  let visible = false, wanted = false;
+  const askCurves = debounce(() => {
+    if (!visible || !wanted) return;
+    wanted = false;
+    hub.ask({ do: 'curves' });
+  }, 400);
+  new IntersectionObserver(([entry]) => {
+    visible = entry!.isIntersecting;
+    if (visible) askCurves();
+  }).observe(canvas);
 
   canvas.addEventListener('click', (event) => {
     const box = canvas.getBoundingClientRect();
@@ -151,6 +163,7 @@ export function diagram(hub: Hub): HTMLElement {
     const rest = JSON.stringify({ ...now, alpha_p: 0, alpha_u: 0 });
     if (rest !== asked) {
       asked = rest;
+      wanted = true;
       askCurves();
     }
     const all = JSON.stringify(now);
@@ -162,7 +175,7 @@ export function diagram(hub: Hub): HTMLElement {
   });
   hub.on('curves', (found) => {
     curves = found;
-    legend.replaceChildren(...found.curves.map((curve, k) => h('li', {}, sample(DASHES[k % DASHES.length]!), mathematics(curve.name))));
+    legend.replaceChildren(...found.curves.map((curve, k) => h('li', {}, sample(DASHES[k % DASHES.length]!), mathematics(worded(curve.name)))));
     describe();
     draw();
   });
@@ -187,6 +200,15 @@ function sample(dash: number[]): Element {
   svg.setAttribute('aria-hidden', 'true');
   svg.innerHTML = `<path d="M0 3H30" stroke="currentColor" stroke-width="1.6" stroke-dasharray="${dash.join(' ')}"/>`;
   return svg;
+}
+
+/** Names of lines as in the figures, without their abbreviations and typesetting. */
+function worded(name: string): string {
+  return name
+    .replace(/\$(.*)\$/, (_, tex: string) => tex.replaceAll('\\alpha', 'α').replace('^{(r)}', '⁽ʳ⁾'))
+    .replace(/^U /, 'one-way order ')
+    .replace(/^C exists/, 'two stripes exist')
+    .replace(/^C /, 'two stripes ');
 }
 
 const clamp = (k: number, count: number): number => Math.min(count - 1, Math.max(0, k));

@@ -83,7 +83,7 @@ export function strokes(limit: number, send: (points: [number, number][]) => voi
   let sent = 0;
   return (piece, done) => {
     points.push(...piece);
-    if (points.length === 0 || !(done || points.length >= limit || Date.now() - sent >= 80)) return;
+    if (points.length === 0 || !(done || points.length >= limit || Date.now() - sent >= 150)) return;
     sent = Date.now();
     send(points);
     points = [];

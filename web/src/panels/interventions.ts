@@ -13,7 +13,7 @@ export function interventions(hub: Hub): HTMLElement {
     const text = JSON.stringify(cell.protocol);
     if (text !== shown) {
       shown = text;
-      steps = cell.protocol.map(({ at, text }) => [at, h('li', {}, h('span', { class: 'at' }, `t = ${short(at, 4)}`), ' ', text)]);
+      steps = cell.protocol.map(({ at, text }) => [at, h('li', { title: text }, h('span', { class: 'at' }, `t = ${short(at, 4)}`), ' ', text.replace(/^t = [^:]*: /, ''))]);
       list.replaceChildren(...steps.map(([, item]) => item));
       list.scrollTop = list.scrollHeight;
       none.hidden = steps.length > 0;

@@ -9,7 +9,9 @@ export function now(hub: Hub): HTMLElement {
   const ask = hub.ask.bind(hub);
   const name = h('strong', { id: 'regime-name' }, '…');
   const reason = h('span', { id: 'regime-reason' });
-  const regime = h('p', { id: 'regime', role: 'status', 'aria-live': 'polite' }, name, ' ', reason);
+  const regime = h('p', { id: 'regime' }, name, ' ', reason);
+  // The reason's numbers change at every frame: only another regime is read out.
+  const spoken = h('p', { id: 'regime-spoken', class: 'hidden', role: 'status', 'aria-live': 'polite' });
   const clock = h('output', { id: 'clock', title: 'time in units of R/U' }, 't = 0');
   const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': 'catching up with the saved cell' });
 
@@ -55,16 +57,18 @@ export function now(hub: Hub): HTMLElement {
   hub.on('frame', (frame) => {
     clock.textContent = time(frame.t);
     catchUp(frame.t);
-    // Unchanged text is not written again, or it would be read out at every frame.
     if (!frame.regime) return;
-    if (name.textContent !== frame.regime.name) name.textContent = frame.regime.name;
+    if (name.textContent !== frame.regime.name) {
+      name.textContent = frame.regime.name;
+      spoken.textContent = `${frame.regime.name}: ${frame.regime.reason}`;
+    }
     if (reason.textContent !== frame.regime.reason) reason.textContent = frame.regime.reason;
     regime.dataset.regime = frame.regime.name;
   });
 
   return h(
     'section', { id: 'now', 'aria-label': 'The cell now' },
-    h('div', { class: 'row spread' }, regime, clock),
+    h('div', { class: 'row spread' }, regime, spoken, clock),
     catching,
     h('div', { class: 'row' }, play, step, seed),
     h('div', { class: 'row speed' }, h('label', { for: 'speed' }, 'Speed'), speed, value),

@@ -41,6 +41,8 @@ class Row {
       ? h('input', { id, type: 'checkbox', onchange: () => this.set(this.field.checked) })
       : h('input', {
           id, type: 'number', min: definition.minimum, max: definition.maximum, step: 'any', inputmode: 'decimal',
+          oninput: () => this.hold(),
+          onblur: () => (this.held = Math.min(this.held, Date.now() + 600)),
           onchange: () => this.typed(),
         });
     if (!flag && usual) {
@@ -52,7 +54,7 @@ class Row {
     this.reset = h('button', {
       id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': `reset ${name}`, onclick: () => this.set(this.own),
     }, '↺');
-    const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning));
+    const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
     this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, label, this.chip, this.slider, this.field, this.reset);
   }
 
@@ -78,6 +80,11 @@ class Row {
     this.reset.disabled = same;
     this.element.classList.toggle('changed', !same);
     this.reset.title = `back to ${String(this.own)}`;
+  }
+
+  /** A number that is half typed stays as it is until it is given or left. */
+  private hold(): void {
+    this.held = Infinity;
   }
 
   private typed(): void {

@@ -57,8 +57,8 @@ export const STORY: Step[] = [
   },
   {
     title: 'The indifferent zones',
-    text: 'Between the stripes run two lines where nothing streams: the indifferent zones, known from Chara for two centuries. Nobody drew them. They straighten on their own, slowly, as the traces below the cell show.',
-    marks: ['#map', '#charts'],
+    text: 'Between the stripes run two lines where nothing streams: the indifferent zones, known from Chara for two centuries. Nobody drew them. They straighten on their own, slowly: see how the waves of the white lines fade.',
+    marks: ['#map'],
     act: ({ hub }) => hub.ask({ do: 'play' }),
   },
   {

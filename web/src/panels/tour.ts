@@ -1,4 +1,4 @@
-import { h } from './dom';
+import { h, mathematics } from './dom';
 import { STORY, type Stage } from './story';
 
 export interface Tour {
@@ -18,7 +18,7 @@ export function tour(stage: Stage): Tour {
   const leaveButton = h('button', { id: 'tour-leave', class: 'quiet', 'aria-label': 'leave the tour', title: 'leave (Escape)', onclick: () => leave() }, '✕');
   const element = h(
     'section', { id: 'tour-card', 'aria-labelledby': 'tour-title', hidden: true },
-    h('div', { class: 'row spread' }, count, leaveButton), title, text, h('div', { class: 'row' }, back, next),
+    h('div', { class: 'row spread' }, title, count, leaveButton), text, h('div', { class: 'row' }, back, next),
   );
 
   const unmark = (): void => document.querySelectorAll('.marked').forEach((found) => found.classList.remove('marked'));
@@ -33,17 +33,18 @@ export function tour(stage: Stage): Tour {
     if (!step) return leave();
     at = k;
     unmark();
-    for (const [i, selector] of step.marks.entries()) {
+    // Backwards, so that the first is in view where not all can be.
+    for (const selector of step.marks.toReversed()) {
       const marked = document.querySelector<HTMLElement>(selector);
       const folded = marked?.closest('details');
       if (folded) folded.open = true;
       marked?.classList.add('marked');
       const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
-      if (i === 0) marked?.scrollIntoView({ block: 'nearest', behavior: still ? 'auto' : 'smooth' });
+      marked?.scrollIntoView({ block: 'nearest', behavior: still ? 'auto' : 'smooth' });
     }
     count.textContent = `${k + 1} of ${STORY.length}`;
     title.textContent = step.title;
-    text.textContent = step.text;
+    text.replaceChildren(...step.text.split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
     back.disabled = k === 0;
     next.textContent = k === STORY.length - 1 ? 'Done' : 'Next';
     element.hidden = false;

@@ -3,6 +3,7 @@ import type { Trace } from '../protocol';
 import type { Hub } from './hub';
 import { h, mathematics } from './dom';
 import { History } from './history';
+import { short } from './scales';
 
 const SHARED: [RegExp, string][] = [
   [/^mean_P/, 'mean P'],
@@ -93,13 +94,13 @@ function chart(host: HTMLElement, x: string, lines: [string, string][], range?: 
     height: 90,
     legend: { show: false },
     cursor: { show: false },
-    padding: [6, 10, 0, 0],
+    padding: [6, 16, 0, 0],
     scales: { x: { time: false, ...(range ? { range: [0, 2 * Math.PI] } : {}) }, y: range ? { range: (_, low, high) => [Math.min(range[0], low ?? 0), Math.max(range[1], high ?? 0)] } : {} },
     axes: [
       range
         ? { ...axis(), size: 22, splits: () => [0, Math.PI, 2 * Math.PI], values: () => ['0', `${x} = π`, '2π'] }
         : { ...axis(), size: 22, space: 44, values: (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4)))) },
-      { ...axis(), size: 36, space: 22 },
+      { ...axis(), size: 40, space: 22, values: (_, ticks) => ticks.map((tick) => short(+tick.toPrecision(6))) },
     ],
     series: [{}, ...lines.map(([, colour]) => ({ stroke: () => style(colour), width: 1.6, points: { show: false } }))],
   }, [[], ...lines.map(() => [])] as unknown as uPlot.AlignedData, host);

@@ -35,7 +35,7 @@ export class Cylinder {
 
   /** Throws where WebGL 2 is not to be had. */
   constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: true, stencil: false });
+    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: false, stencil: false });
     this.renderer.setClearColor(0, 0);
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the palette is shown as it is
     this.colours = new THREE.DataTexture(paletteTable(palette, COLOURS), COLOURS, 1);
@@ -58,21 +58,26 @@ export class Cylinder {
       paper: { value: new THREE.Vector3() },
       shade: { value: new THREE.Vector3() },
     };
-    this.surface = this.mesh(ring(0, 1), surfaceVertex, surfaceFragment);
-    this.end = this.mesh(ring(0, 1), endVertex, endFragment);
+    this.surface = this.mesh(ring(0, 1), surfaceVertex, surfaceFragment, THREE.FrontSide);
+    this.end = this.mesh(ring(0, 1), endVertex, endFragment, THREE.DoubleSide);
     this.trails = new Trails(particles, this.uniforms);
     this.scene.add(this.surface, this.end, this.trails.mesh);
     this.setDark(dark);
   }
 
-  private mesh(geometry: THREE.BufferGeometry, vertexShader: string, fragmentShader: string): THREE.Mesh {
+  private mesh(
+    geometry: THREE.BufferGeometry,
+    vertexShader: string,
+    fragmentShader: string,
+    side: THREE.Side,
+  ): THREE.Mesh {
     const { uniforms } = this;
     const material = new THREE.ShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader,
       fragmentShader,
       uniforms,
-      side: THREE.DoubleSide,
+      side,
     });
     const mesh = new THREE.Mesh(geometry, material);
     mesh.frustumCulled = false;
