@@ -35,7 +35,7 @@ export class Cylinder {
 
   /** Throws where WebGL 2 is not to be had. */
   constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: false, stencil: false });
+    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !slow(), stencil: false });
     this.renderer.setClearColor(0, 0);
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the palette is shown as it is
     this.colours = new THREE.DataTexture(paletteTable(palette, COLOURS), COLOURS, 1);
@@ -171,4 +171,11 @@ function ring(low: number, high: number): THREE.BufferGeometry {
   geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
   geometry.setIndex(index);
   return geometry;
+}
+
+/** Whether WebGL runs on the processor, where multisampling costs more than it shows. */
+function slow(): boolean {
+  const context = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return context === null;
 }

@@ -78,6 +78,7 @@ export class UnwrappedMap {
   }
 
   drawStill(fields: Fields, mixing: number): void {
+    // Kept by the processor: many thin lines are its work, and without a graphics card nothing else is quick.
     const context = this.still.getContext('2d', { willReadFrequently: true })!;
     const { box, ratio } = this;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -236,7 +237,7 @@ export class UnwrappedMap {
           }
         }
         const along = 1 - (part + 0.25 * phase) / parts.length;
-        context.globalAlpha = 0.85 * along * along * (dim > 0.5 ? 1 : 0.4);
+        context.globalAlpha = 0.85 * along ** 1.5 * (dim > 0.5 ? 1 : 0.4);
         context.lineWidth = 0.5 + 1.5 * along;
         context.stroke();
       });

@@ -5,9 +5,10 @@ import { flowAt } from './interpolate';
 
 /** Positions in a trail, the head included, and seconds between them. */
 export const TRAIL = 9;
-const BETWEEN = 0.055;
-/** Radii a second at the peak of the flow. */
+const BETWEEN = 0.085;
+/** Radii a second at the peak of the flow; more in cells longer than LONG, which are drawn smaller. */
 const PACE = 0.6;
+const LONG = 12;
 /** Below this share of the largest flow seen, particles slow with it, so that arrest is seen as arrest. */
 const SLOWS_BELOW = 0.15;
 const FADE = 0.6;
@@ -52,7 +53,7 @@ export class Particles {
   step(fields: Fields, dt: number): void {
     if (fields.length !== this.length) this.scatter(fields.length);
     const reference = Math.max(fields.peak, SLOWS_BELOW * fields.largest);
-    const scale = reference > 1e-12 ? this.pace / reference : 0;
+    const scale = reference > 1e-12 ? (this.pace * Math.max(1, fields.length / LONG)) / reference : 0;
     this.phase += dt / BETWEEN;
     if (this.phase >= 1) {
       this.data.copyWithin(4 * this.count, 0, 4 * this.count * (TRAIL - 1));

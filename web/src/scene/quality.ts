@@ -25,8 +25,8 @@ export class Quality {
     this.slow = (1000 * this.drawn) / this.busy < SLOW ? this.slow + 1 : 0;
     this.busy = 0;
     this.drawn = 0;
-    // One slow second may be the page that loads.
-    if (this.slow < 2) return false;
+    // A slow second or two may be the page that loads.
+    if (this.slow < 3) return false;
     this.slow = 0;
     const lower = RATIOS.find((ratio) => ratio < Math.min(this.limit, window.devicePixelRatio || 1));
     if (lower === undefined) return false;

@@ -154,7 +154,7 @@ void main() {
   point.xy += vec2(-way.y, way.x) * place.z * 2.0 * half_width / screen;
   gl_Position = point;
   height = here.y;
-  opacity = here.z * along * along * smoothstep(0.0, 0.45, facing) * (0.25 + 0.75 * smoothstep(0.0, 0.35, here.w));
+  opacity = here.z * pow(along, 1.5) * smoothstep(0.0, 0.45, facing) * (0.25 + 0.75 * smoothstep(0.0, 0.35, here.w));
 }`;
 
 export const trailFragment = /* glsl */ `
