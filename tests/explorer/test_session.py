@@ -8,13 +8,9 @@ import pytest
 
 import cyclosis as cy
 from cyclosis import config
-from cyclosis.experiments import NAMES
 from cyclosis.explorer import about, setup
-from cyclosis.explorer.captions import CAPTIONS
 from cyclosis.explorer.messages import understood
-from cyclosis.explorer.presets import PRESETS
 from cyclosis.explorer.session import Session
-from cyclosis.model.definitions import TERM_NAMES
 
 SMALL = {"grid": {"n_theta": 32, "n_z": 32}, "parameters": {"d_s": 0.05}}
 
@@ -34,7 +30,7 @@ def scripted():
     forward(session, 1.5)
     ask = {"do": "brush", "tool": "wound", "points": [[1.0, 1.0], [1.2, 4.99]], "radius": 0.6}
     for tool in ("wound", "fragment", "align"):
-        session.brush(understood(json.dumps(ask | {"tool": tool})).tables(5.0))
+        session.brush(understood(json.dumps(ask | {"tool": tool})))
         forward(session, session.live.t + 0.3)
     session.drug("cytochalasin")
     forward(session, 3.0)
@@ -106,21 +102,6 @@ def test_a_text_that_is_no_link_is_refused(link):
 def test_a_malformed_message_is_refused_in_a_sentence(text):
     with pytest.raises(cy.InputError, match="must be"):
         understood(text)
-
-
-def test_every_term_has_a_caption():
-    assert set(CAPTIONS) == set(TERM_NAMES)
-
-
-def test_every_experiment_has_a_cell():
-    names = [item.name for item in PRESETS]
-    assert len(set(names)) == len(names)
-    assert {name for name in NAMES if name != "circumferential"} <= set(names)
-
-
-@pytest.mark.parametrize("item", PRESETS, ids=lambda item: item.name)
-def test_presets_can_be_begun(item):
-    assert setup.from_tables(item.tables, item.protocol).ready().protocol is not None
 
 
 def test_the_page_is_told_of_every_setting():

@@ -66,6 +66,8 @@ export interface About {
   parameters: Definition[];
   grid: Definition[];
   initial: Definition[];
+  /** Which of `initial` each kind of initial state takes; others would be refused. */
+  uses: Record<string, string[]>;
   /** Time between frames of a cell, dimensionless. */
   interval: Definition;
   terms: Term[];
@@ -113,7 +115,7 @@ export type Ask =
       link?: string;
       setup?: { parameters?: Values; grid?: Values; initial?: Values; run?: Values };
     }
-  | { do: 'play' | 'pause' | 'step' | 'hash' | 'new_seed' | 'curves' }
+  | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' }
   | { do: 'speed'; value: number }
   | { do: 'change'; values: Values }
   | { do: 'drug'; name: 'cytochalasin' | 'wash_out' | 'inhibit_myosin' }

@@ -53,7 +53,7 @@ class Live:
         cell = self.course.system(0)
         self._done, self._steps = 0, 8
         self._after: Array | None = None
-        self._before: tuple[float, Progress] | None = None
+        self._before: Progress | None = None
         numbers = (np.float64(x) for x in (self.how.rtol, self.how.atol, 0.1, NEVER))
         self._control = Control(*numbers)
         with double():
@@ -140,7 +140,7 @@ class Live:
         self._take(protocol)
         with double():
             if self._before is not None:  # what was done at this time is done again, together with the new
-                self._now = self._before[1]
+                self._now = self._before
             self._done = sum(t < self.t for t in self.course.times)
             self._cell = jax.device_put(self.course.system(self._done))
             self._after = None
@@ -153,7 +153,7 @@ class Live:
     def _intervene(self) -> None:
         """Do what the protocol does at the time reached."""
         while self._done < len(self.course.times) and self.course.times[self._done] == self.t:
-            self._before = self._before or (self.t, self._now)
+            self._before = self._before or self._now
             self._now, note = self.course.intervene(self._now, self._done)
             self._done += 1
             self._cell = jax.device_put(self.course.system(self._done))

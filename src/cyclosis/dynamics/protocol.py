@@ -310,7 +310,7 @@ class Protocol:
         steps = []
         for number, table in enumerate(tables, 1):
             try:
-                steps.append(_step(table))
+                steps.append(step_from_table(table))
             except InputError as error:
                 field = f"{error.field} in step {number} of the protocol"
                 raise InputError(field, error.value, error.rule, error.remedy) from error
@@ -351,7 +351,11 @@ def _seeded(steps: list[Step]) -> tuple[Step, ...]:
     )
 
 
-def _step(table: Any) -> Step:
+def step_from_table(table: Any) -> Step:
+    """Return the step that a table describes, as it would stand under [[protocol]].
+
+    Raises `InputError` for any mistake in it.
+    """
     if not isinstance(table, Mapping):
         raise InputError("step", table, "a table", "write at = ..., action = ...")
     given = dict(table)

@@ -68,9 +68,13 @@ class Schedule:
         """Return the number of events up to and at a time."""
         return bisect_right(self.times, t)
 
+    def stage(self, t: float) -> Stage:
+        """Return the stage in force at a time, after whatever is done then."""
+        return self.stages[self.done(t)]
+
     def params_at(self, t: float) -> Parameters:
         """Return the parameters in force at a time, after whatever is done then."""
-        return self.stages[self.done(t)].at(t)
+        return self.stage(t).at(t)
 
     def disturbs(self, event: int) -> bool:
         """Return whether an event acts on the state."""

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..analysis.diagnostics import QUANTITIES
+from ..config import USED_BY
+from ..dynamics.protocol import MOST_STEPS
 from ..model.definitions import GRID, INITIAL, PARAMETERS, Definition
 from ..model.errors import choice
 from ..model.filaments import TERMS
@@ -23,26 +25,12 @@ from .presets import PRESETS, Preset
 from .session import TRACES
 from .setup import FINEST, INTERVAL, KINDS, MOST_FRAMES
 
-USUAL = {
-    "alpha_p": (0.0, 1.0),
-    "alpha_u": (0.0, 1.0),
-    "epsilon": (0.0, 1.0),
-    "d_s": (0.0, 0.1),
-    "d_r": (0.0, 0.2),
-    "kappa": (0.0, 1.0),
-    "mu": (0.0, 1.0),
-    "repulsion_angle": (-1.6, 1.6),
-    "force_exponent": (0.0, 4.0),
-}
-"""Ranges of sliders: where the paper's cell lives and around."""
 _SHOWN = ("kind", "seed", "filaments_per_square", "magnitude", "stripes")
 
 
 @cache
 def about(idle_seconds: float) -> dict[str, Any]:
     """Return all that the page is built from, as it is sent."""
-    from ..dynamics.protocol import MOST_STEPS
-
     return {
         "version": __version__,
         "limits": {
@@ -56,6 +44,7 @@ def about(idle_seconds: float) -> dict[str, Any]:
         "parameters": [_told(item) for item in PARAMETERS],
         "grid": [_told(item) for item in GRID],
         "initial": [_told(item) for item in INITIAL if item.name in _SHOWN],
+        "uses": {kind: [name for name in USED_BY[kind] if name in _SHOWN] for kind in KINDS},
         "interval": _told(INTERVAL),
         "terms": [
             {"name": term.name, "formula": term.formula, "caption": CAPTIONS[term.name]} for term in TERMS
@@ -116,7 +105,7 @@ def _told(item: Definition) -> dict[str, Any]:
         "kind": item.kind,
         "minimum": item.minimum,
         "maximum": FINEST if item.name in ("n_theta", "n_z") else item.maximum,
-        "usual": USUAL.get(item.name),
+        "usual": item.usual,
         "allowed": KINDS if item.name == "kind" else item.allowed,
     }
 

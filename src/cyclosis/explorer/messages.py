@@ -35,7 +35,7 @@ class Begin(_Ask):
 class Plain(_Ask):
     """Something that needs no more words."""
 
-    do: Literal["play", "pause", "step", "hash", "new_seed", "curves"]
+    do: Literal["play", "pause", "step", "tell", "hash", "new_seed", "curves"]
 
 
 class Speed(_Ask):
@@ -71,8 +71,8 @@ class Brush(_Ask):
     radius: Annotated[float, Field(ge=0.02, le=10.0, strict=False)]
     angle: Number = 1.5707963267948966
 
-    def tables(self, length: float) -> list[dict[str, Any]]:
-        """Return the step of the stroke as a table of a protocol, on a cell of some length."""
+    def step(self, t: float, length: float) -> dict[str, Any]:
+        """Return the stroke as the table of a step at a time, on a cell of some length."""
         discs = [
             {
                 "shape": "disc",
@@ -88,7 +88,7 @@ class Brush(_Ask):
             "fragment": {"action": "fragment"},
             "align": {"action": "align", "angle": self.angle},
         }
-        return [action[self.tool] | {"where": where}]
+        return {"at": t, "where": where} | action[self.tool]
 
 
 class Seen(_Ask):

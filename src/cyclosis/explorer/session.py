@@ -5,16 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import struct
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ..analysis.regimes import regime
 from ..dynamics.live import Live
-from ..dynamics.protocol import Change, Fragment, Protocol, Step, change, wash_out
+from ..dynamics.protocol import Change, Protocol, Step, change, step_from_table, wash_out
 from ..model.errors import InputError
+from .messages import Brush
 from .setup import MOST_FRAMES, SetUp
 
 TRACES = ("order", "mean_P_theta", "mean_P_z", "peak_speed", "power_input")
@@ -65,16 +65,14 @@ class Session:
         else:
             self._do(wash_out(self.live.t), list(self.live.protocol))
 
-    def brush(self, tables: Sequence[Mapping[str, Any]]) -> None:
-        """Do steps to patches, now."""
-        done = Protocol.from_tables([dict(table) | {"at": self.live.t} for table in tables])
-        for step in done:
-            own = replace(step, seed=None) if isinstance(step, Fragment) else step
-            self._do(own, list(self.live.protocol))
+    def brush(self, stroke: Brush) -> None:
+        """Do what a stroke does to the patch under it, now."""
+        table = stroke.step(self.live.t, self.live.grid.length)
+        self._do(step_from_table(table), list(self.live.protocol))
 
     def special(self) -> dict[str, str]:
         """Return which parameters are on a ramp or differ from place to place now."""
-        stage = self.live.course.schedule.stages[self.live.course.schedule.done(self.live.t)]
+        stage = self.live.course.schedule.stage(self.live.t)
         fields = {name: "field" for name, value in self.live.params_now.items() if getattr(value, "ndim", 0)}
         return fields | dict.fromkeys(stage.moving, "ramp")
 

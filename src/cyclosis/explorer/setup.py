@@ -10,22 +10,28 @@ import binascii
 import json
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from .. import config
-from ..model.definitions import INITIAL, RUN, TABLES, Definition
+from ..model.definitions import INITIAL, defaults, definition
 from ..model.errors import InputError, number
 
 FINEST = 128
 """Most grid points in either direction of a cell in the explorer."""
 MOST_FRAMES = 20_000
 """Most frames of a cell in the explorer."""
-INTERVAL = Definition(
-    "save_every", "-", "time between frames; what is done falls on a frame", 0.1, "number", 0.02, 5.0
+INTERVAL = replace(
+    definition("run", "save_every"),
+    meaning="time between frames; what is done falls on a frame",
+    default=0.1,
+    minimum=0.02,
+    maximum=5.0,
 )
 LONGEST_LINK, LONGEST_TEXT = 40_000, 200_000
 """Characters of a link, and of what is packed in it."""
+KIND = INITIAL[0].default
+"""The initial state of a cell of which no other is asked for."""
 KINDS = tuple(kind for kind in INITIAL[0].allowed if kind != "file")
 """Initial states that a cell of the explorer may have: no visitor reads files of the server."""
 
@@ -41,7 +47,7 @@ class SetUp:
     @property
     def every(self) -> float:
         """Time between frames, dimensionless (R/U)."""
-        interval: float = self.tables["run"]["save_every"]
+        interval: float = self.tables["run"][INTERVAL.name]
         return interval
 
     def ready(self) -> config.Setup:
@@ -50,14 +56,14 @@ class SetUp:
 
     def filled(self) -> dict[str, dict[str, Any]]:
         """Return the tables with every default that has a value filled in."""
-        known = {name: {item.name: item.default for item in TABLES[name]} for name in ("parameters", "grid")}
-        used = (*config.USED_BY[self.tables["initial"].get("kind", INITIAL[0].default)], "kind")
-        known["initial"] = {item.name: item.default for item in INITIAL if item.name in used}
-        if known["initial"]["kind"] != self.tables["initial"].get("kind", known["initial"]["kind"]):
-            known["initial"] = {}
-        return {name: values | self.tables[name] for name, values in known.items()} | {
-            "run": dict(self.tables["run"])
-        }
+        filled = {name: defaults(name) | self.tables[name] for name in ("parameters", "grid")}
+        initial = self.tables["initial"]
+        kind = initial.get("kind", KIND)
+        # In an ordered state what is left out means no noise, not its default.
+        used = ("kind", *config.USED_BY[kind]) if kind == KIND else ()
+        filled["initial"] = {name: value for name, value in defaults("initial").items() if name in used}
+        filled["initial"] |= initial
+        return filled | {"run": dict(self.tables["run"])}
 
     def link(self) -> str:
         """Return the set-up as a short text fit for an address."""
@@ -90,7 +96,7 @@ def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
         points = tables["grid"].get(name, 0)
         if points > FINEST:
             raise InputError(name, points, f"at most {FINEST} in the explorer", "use cyclosis run for more")
-    kind = tables["initial"].get("kind", INITIAL[0].default)
+    kind = tables["initial"].get("kind", KIND)
     if kind not in KINDS:
         raise InputError("kind", kind, "one of " + ", ".join(KINDS) + " in the explorer", "choose another")
     shape = tables["initial"].get("noise_grid") or ()
@@ -99,7 +105,7 @@ def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
     if any(isinstance(value, list | tuple) for value in tables["parameters"].values()):
         raise InputError("parameters", "a field", "numbers in the explorer", "use a step with where")
     _refuse_paths(steps)
-    end = number("t", t, 0.0, tables["run"]["save_every"] * MOST_FRAMES, "begin again")
+    end = number("t", t, 0.0, tables["run"][INTERVAL.name] * MOST_FRAMES, "begin again")
     return SetUp(tables, tuple(steps), end)
 
 
@@ -136,6 +142,3 @@ def _without_none(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: _without_none(item) for key, item in value.items() if item is not None}
     return [_without_none(item) for item in value] if isinstance(value, list | tuple) else value
-
-
-assert INTERVAL.name in {item.name for item in RUN}

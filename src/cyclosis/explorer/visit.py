@@ -45,7 +45,7 @@ class Visit:
 
     def __init__(self, wire: Wire, pool: Executor, idle_seconds: float) -> None:
         self.wire, self.pool, self.idle_seconds = wire, pool, idle_seconds
-        self.asks: asyncio.Queue[str | None] = asyncio.Queue(WAITING)
+        self.asks: asyncio.Queue[str] = asyncio.Queue(WAITING)
         self.session: Session | None = None
         self.preset: str | None = None
         self.playing, self.speed = False, 5.0
@@ -85,9 +85,8 @@ class Visit:
 
     async def _next_ask(self, heard: float) -> str | None:
         """Return the next ask, or None when it is time to compute."""
-        moving = self.session is not None and (self.playing or self.catching_up is not None)
         wait = self.idle_seconds - (clock.monotonic() - heard) + 0.1
-        if moving and self._watched():
+        if self._moving():
             wait = self.due - clock.monotonic()
         if wait <= 0:
             return None if self.asks.empty() else self.asks.get_nowait()
@@ -96,19 +95,18 @@ class Visit:
         except TimeoutError:
             return None
 
-    def _watched(self) -> bool:
-        """Whether someone still looks at what is computed, or waits for it."""
-        waits = self.catching_up is not None or self.unseen < UNSEEN
-        return waits or clock.monotonic() - self.seen_at < PATIENCE
+    def _moving(self) -> bool:
+        """Whether the cell goes on: someone waits for a time of it, or lets it play and still looks."""
+        if self.session is None or self.catching_up is not None:
+            return self.session is not None
+        return self.playing and (self.unseen < UNSEEN or clock.monotonic() - self.seen_at < PATIENCE)
 
     async def _onward(self) -> None:
         """Compute a moment if it is time, and show what there is to show."""
         cell = self.session
         if cell is None:
             return
-        now = clock.monotonic()
-        moving = self.playing or self.catching_up is not None
-        if moving and now >= self.due and self._watched():
+        if self._moving() and clock.monotonic() >= self.due:
             try:
                 arrived = await self._away(cell.forward)
             except InputError as error:
@@ -157,7 +155,7 @@ class Visit:
         elif isinstance(ask, messages.Drug):
             await self._act(cell, lambda: cell.drug(ask.name))
         else:
-            await self._act(cell, lambda: cell.brush(ask.tables(cell.live.grid.length)))
+            await self._act(cell, lambda: cell.brush(ask))
         await self._tell()
 
     async def _plain(self, what: str, cell: Session) -> None:
@@ -170,6 +168,8 @@ class Visit:
             given = {name: dict(table) for name, table in cell.setup.tables.items()}
             given["initial"]["seed"] = given["initial"].get("seed", 0) + 1
             await self._open(setup.from_tables(given, cell.setup.steps), self.playing)
+        elif what == "tell":
+            await self._tell()
         elif what == "step":
             self.playing = False
             await self._to_frame(cell, once=True)

@@ -20,7 +20,8 @@ class Definition:
     """One setting: what it is called, what it means and what it may be.
 
     `optional` settings may also be None, `needed` ones have no default; `field` marks a parameter that may
-    be given as an array of shape (n_theta, n_z).
+    be given as an array of shape (n_theta, n_z). `usual` is the range of a slider: where the paper's cell
+    lives, and around.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Definition:
     optional: bool = False
     field: bool = False
     needed: bool = False
+    usual: tuple[float, float] | None = None
 
     @property
     def remedy(self) -> str:
@@ -121,15 +123,29 @@ def _plain(text: str) -> Any:
 
 
 PARAMETERS = (
-    Definition("alpha_p", "α_p", "spontaneous alignment (bundling) rate", 1.0, field=True),
-    Definition("alpha_u", "α_u", "polar alignment of filaments with the flow", 0.5, field=True),
+    Definition("alpha_p", "α_p", "spontaneous alignment (bundling) rate", 1.0, field=True, usual=(0.0, 1.0)),
     Definition(
-        "epsilon", "ε", "passive advection and shear alignment left by restriction", 0.1, maximum=10.0
+        "alpha_u", "α_u", "polar alignment of filaments with the flow", 0.5, field=True, usual=(0.0, 1.0)
     ),
-    Definition("d_s", "d⁽ˢ⁾", "spatial diffusion constant", 0.025, maximum=10.0),
-    Definition("d_r", "d⁽ʳ⁾", "rotational diffusion constant", 0.025, maximum=10.0),
-    Definition("kappa", "κ", "strength of the repulsive direction", 0.5, field=True),
-    Definition("mu", "μ", "viscosity of the layer relative to its wall friction", 0.05, maximum=100.0),
+    Definition(
+        "epsilon",
+        "ε",
+        "passive advection and shear alignment left by restriction",
+        0.1,
+        maximum=10.0,
+        usual=(0.0, 1.0),
+    ),
+    Definition("d_s", "d⁽ˢ⁾", "spatial diffusion constant", 0.025, maximum=10.0, usual=(0.0, 0.1)),
+    Definition("d_r", "d⁽ʳ⁾", "rotational diffusion constant", 0.025, maximum=10.0, usual=(0.0, 0.2)),
+    Definition("kappa", "κ", "strength of the repulsive direction", 0.5, field=True, usual=(0.0, 1.0)),
+    Definition(
+        "mu",
+        "μ",
+        "viscosity of the layer relative to its wall friction",
+        0.05,
+        maximum=100.0,
+        usual=(0.0, 1.0),
+    ),
     Definition(
         "repulsion_angle",
         "φ_d",
@@ -138,6 +154,7 @@ PARAMETERS = (
         minimum=-10.0,
         maximum=10.0,
         field=True,
+        usual=(-1.6, 1.6),
     ),
     Definition(
         "zero_theta_flux",
@@ -146,7 +163,9 @@ PARAMETERS = (
         False,
         kind="flag",
     ),
-    Definition("force_exponent", "n", "exponent of the force law F = |P|^n P", 2.0, maximum=10.0),
+    Definition(
+        "force_exponent", "n", "exponent of the force law F = |P|^n P", 2.0, maximum=10.0, usual=(0.0, 4.0)
+    ),
 )
 
 TERM_NAMES = (

@@ -121,7 +121,7 @@ export function diagram(hub: Hub): HTMLElement {
     if (curves && !curves.applies) note.append(' The lines of theory do not hold for this cell.');
   };
   const go = (a: number, b: number): void => hub.ask({ do: 'change', values: { alpha_p: round(a), alpha_u: round(b) } });
-  // Theory takes the server a while, and the cell with it: only lines that are looked at are asked for.
+  // Theory takes the server a while: only lines that are looked at are asked for.
   let visible = false, wanted = false;
   const askCurves = debounce(() => {
     if (!visible || !wanted) return;

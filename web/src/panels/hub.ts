@@ -17,19 +17,13 @@ export class Hub {
   frame: Frame | null = null;
   private readonly listeners: { [K in keyof Events]?: ((value: Events[K]) => void)[] } = {};
 
-  private speed = 5;
   private readonly waiting: (() => void)[] = [];
 
   constructor(
     readonly about: About,
-    private readonly send: (message: Ask) => void,
+    readonly ask: (message: Ask) => void,
     readonly toast: (sentence: string) => void,
   ) {}
-
-  ask(message: Ask): void {
-    if (message.do === 'speed') this.speed = message.value;
-    this.send(message);
-  }
 
   /** The cell as it is now, for its address: a running cell is told only when something is asked. */
   async refresh(): Promise<void> {
@@ -38,8 +32,7 @@ export class Hub {
       this.waiting.push(done);
       setTimeout(done, 1000);
     });
-    // The one ask that changes nothing.
-    this.ask({ do: 'speed', value: this.speed });
+    this.ask({ do: 'tell' });
     await told;
   }
 
@@ -51,7 +44,6 @@ export class Hub {
   emit<K extends keyof Events>(name: K, value: Events[K]): void {
     if (name === 'cell') {
       this.cell = value as Cell;
-      this.speed = this.cell.speed;
       for (const done of this.waiting.splice(0)) done();
     }
     if (name === 'frame') this.frame = value as Frame;

@@ -3,15 +3,6 @@ import type { Hub } from './hub';
 import { h, mathematics, panel } from './dom';
 
 type Table = 'grid' | 'initial' | 'run';
-/** Which settings each kind of initial state takes; others would be refused. */
-const NOISE = ['seed', 'filaments_per_square'];
-const USES: Record<string, string[]> = {
-  disordered: NOISE,
-  unidirectional: ['magnitude', ...NOISE],
-  circumferential: ['magnitude', ...NOISE],
-  stripes: ['magnitude', 'stripes', ...NOISE],
-};
-
 /** A cell from the beginning, with the parameters that are set now. */
 export function newCell(hub: Hub): HTMLElement {
   const { about } = hub;
@@ -22,7 +13,7 @@ export function newCell(hub: Hub): HTMLElement {
   ];
   const kind = entries.find((e) => e.definition.name === 'kind');
   const adapt = (): void => {
-    const used = USES[kind?.input.value ?? 'disordered'];
+    const used = about.uses[kind?.input.value ?? 'disordered'];
     for (const e of entries) {
       if (e.table !== 'initial' || e === kind) continue;
       e.element.hidden = used !== undefined && !used.includes(e.definition.name);
@@ -62,9 +53,8 @@ export function newCell(hub: Hub): HTMLElement {
 function entry(table: Table, definition: Definition) {
   const { name, symbol, meaning, allowed } = definition;
   const id = `setting-${name}`;
-  const choices = allowed.filter((choice) => choice in USES || name !== 'kind');
-  const input = choices.length
-    ? h('select', { id }, ...choices.map((choice) => h('option', { value: choice }, choice)))
+  const input = allowed.length
+    ? h('select', { id }, ...allowed.map((choice) => h('option', { value: choice }, choice)))
     : h('input', { id, type: 'number', step: 'any', min: definition.minimum, max: definition.maximum });
   const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning));
   return { table, definition, input, element: h('div', { class: 'setting' }, label, input) };

@@ -6,7 +6,7 @@ import { throttle } from './throttle';
 /** What the cell is doing now, and the handles of time. */
 export function now(hub: Hub): HTMLElement {
   const { about } = hub;
-  const ask = hub.ask.bind(hub);
+  const { ask } = hub;
   const name = h('strong', { id: 'regime-name' }, '…');
   const reason = h('span', { id: 'regime-reason' });
   const regime = h('p', { id: 'regime' }, name, ' ', reason);

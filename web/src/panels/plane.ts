@@ -1,3 +1,5 @@
+import { colourAt } from '../scene/palette';
+
 /** Borders of the cells around increasing values: halfway, the first no lower than zero. */
 export function borders(values: number[]): number[] {
   if (values.length === 1) return [Math.max(0, values[0]! - 0.5), values[0]! + 0.5];
@@ -14,9 +16,7 @@ export function cellOf(edges: number[], value: number): number {
 
 /** The colour a share of the way from one "#rrggbb" to another. */
 export function mix(from: string, to: string, share: number): string {
-  const channel = (colour: string, k: number): number => parseInt(colour.slice(1 + 2 * k, 3 + 2 * k), 16);
-  const parts = [0, 1, 2].map((k) => Math.round(channel(from, k) + share * (channel(to, k) - channel(from, k))));
-  return `rgb(${parts.join(' ')})`;
+  return `rgb(${colourAt([[0, from], [1, to]], share).join(' ')})`;
 }
 
 /** Names of the parameters, other than the two axes, that are not as the diagram's. */
