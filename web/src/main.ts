@@ -94,6 +94,7 @@ function build(about: About): void {
         hub.frame = null;
       }
       scene.playing = said.playing;
+      scene.hurry();
       hub.emit('cell', said);
     } else if (said.type === 'refused') toast(said.sentence);
     else if (said.type === 'hash') hub.emit('hash', said);

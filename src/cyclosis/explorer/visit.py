@@ -18,7 +18,7 @@ from .session import Session
 WAITING = 64
 """Asks that may wait; beyond, the connection is read no further."""
 UNSEEN = 2
-"""Pictures that may be on their way before the page says that it has drawn one."""
+"""Pictures that may be on their way before the page says that it has drawn one; one more after an action."""
 PATIENCE = 5.0
 """Seconds for which a cell goes on while the page draws nothing, as one in a hidden tab."""
 MOST_PICTURES = 30.0
@@ -51,7 +51,7 @@ class Visit:
         self.playing, self.speed = False, 5.0
         self.catching_up: float | None = None
         self.unseen, self.seen_at, self.sent_at, self.due = 0, 0.0, 0.0, 0.0
-        self.refusals, self.stale = 0, False
+        self.refusals, self.stale, self.acted = 0, False, False
         self.curves: asyncio.Task[None] | None = None
 
     async def go(self) -> None:
@@ -88,6 +88,8 @@ class Visit:
         wait = self.idle_seconds - (clock.monotonic() - heard) + 0.1
         if self._moving():
             wait = self.due - clock.monotonic()
+        if self._to_show():
+            wait = min(wait, self.sent_at + 1 / MOST_PICTURES - clock.monotonic())
         if wait <= 0:
             return None if self.asks.empty() else self.asks.get_nowait()
         try:
@@ -100,6 +102,10 @@ class Visit:
         if self.session is None or self.catching_up is not None:
             return self.session is not None
         return self.playing and (self.unseen < UNSEEN or clock.monotonic() - self.seen_at < PATIENCE)
+
+    def _to_show(self) -> bool:
+        """Whether the page lacks the newest picture and can take it."""
+        return self.stale and self.unseen < UNSEEN + self.acted
 
     async def _onward(self) -> None:
         """Compute a moment if it is time, and show what there is to show."""
@@ -122,7 +128,7 @@ class Visit:
                 pause = 0.0 if self.catching_up is not None else cell.live.every / self.speed
                 # What could not be kept up with is not made up for.
                 self.due = max(self.due + pause, clock.monotonic() - pause)
-        if self.stale and self.unseen < UNSEEN and clock.monotonic() - self.sent_at >= 1 / MOST_PICTURES:
+        if self._to_show() and clock.monotonic() - self.sent_at >= 1 / MOST_PICTURES:
             await self._show()
 
     async def _answer(self, text: str) -> None:
@@ -204,7 +210,7 @@ class Visit:
     async def _act(self, cell: Session, what: Callable[[], None]) -> None:
         await self._to_frame(cell)
         await self._away(what)
-        self.stale, self.sent_at = True, 0.0
+        self.stale, self.acted, self.sent_at = True, True, 0.0
 
     async def _to_frame(self, cell: Session, once: bool = False) -> None:
         """Go on to the next frame, if the cell stands between two, or `once` in any case."""
@@ -239,6 +245,7 @@ class Visit:
         assert self.session is not None
         picture = await self._away(self.session.picture)
         self.unseen, self.sent_at, self.stale = self.unseen + 1, clock.monotonic(), False
+        self.acted = False
         await self.wire.show(picture)
 
     async def _refuse(self, error: InputError) -> None:

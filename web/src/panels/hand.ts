@@ -23,7 +23,7 @@ export interface Hand {
   element: HTMLElement;
   choose(tool: Tool): void;
   /** A brush stroke from the scene, a piece at a time. */
-  stroke(points: [number, number][], done: boolean): void;
+  stroke(points: [number, number][]): void;
 }
 
 /** Tools that act where they are put, and drugs that act everywhere. */
@@ -74,20 +74,7 @@ export function hand(hub: Hub, target: HandTarget): Hand {
         h('button', { id: `drug-${name.replace('_', '-')}`, title: tip, onclick: () => hub.ask({ do: 'drug', name }) }, title))),
   );
   choose('turn');
-  return { element, choose, stroke: strokes(hub.about.limits.stroke, brush) };
-}
-
-/** Gather pieces of a stroke so that a fast hand does not send hundreds of messages a second. */
-export function strokes(limit: number, send: (points: [number, number][]) => void): Hand['stroke'] {
-  let points: [number, number][] = [];
-  let sent = 0;
-  return (piece, done) => {
-    points.push(...piece);
-    if (points.length === 0 || !(done || points.length >= limit || Date.now() - sent >= 150)) return;
-    sent = Date.now();
-    send(points);
-    points = [];
-  };
+  return { element, choose, stroke: brush };
 }
 
 function direction(degrees: number): string {

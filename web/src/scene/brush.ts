@@ -3,8 +3,8 @@
 export type Point = [number, number];
 
 const TURN = 2 * Math.PI;
-/** Milliseconds between batches. */
-const PAUSE = 80;
+/** Milliseconds between batches: each is a step of the protocol. */
+const PAUSE = 150;
 /** Points in one batch at most. */
 const MOST = 100;
 

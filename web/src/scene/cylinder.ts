@@ -34,8 +34,8 @@ export class Cylinder {
   private version = -1;
 
   /** Throws where WebGL 2 is not to be had. */
-  constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !slow(), stencil: false });
+  constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean, software: boolean) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !software, stencil: false });
     this.renderer.setClearColor(0, 0);
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the palette is shown as it is
     this.colours = new THREE.DataTexture(paletteTable(palette, COLOURS), COLOURS, 1);
@@ -45,6 +45,7 @@ export class Cylinder {
       order: { value: null },
       colours: { value: this.colours },
       size: { value: new THREE.Vector2(1, 1) },
+      toScreen: { value: new THREE.Matrix4() },
       turn: { value: 0 },
       tilt: { value: 0 },
       cell: { value: 1 },
@@ -118,6 +119,8 @@ export class Cylinder {
     camera.position.set(0, view.centre + far * Math.sin(tilt), far * Math.cos(tilt));
     camera.lookAt(0, view.centre, 0);
     camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+    uniforms.toScreen.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     uniforms.turn.value = view.turn;
     uniforms.tilt.value = tilt;
     uniforms.cell.value = fields.length;
@@ -171,11 +174,4 @@ function ring(low: number, high: number): THREE.BufferGeometry {
   geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
   geometry.setIndex(index);
   return geometry;
-}
-
-/** Whether WebGL runs on the processor, where multisampling costs more than it shows. */
-function slow(): boolean {
-  const context = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
-  context?.getExtension('WEBGL_lose_context')?.loseContext();
-  return context === null;
 }

@@ -22,6 +22,9 @@ export class Fields {
   /** Flow at the moment of the last `blend`: u_theta, u_z for each point. */
   flow = new Float32Array(0);
 
+  /** Whether the next frame is shown at once. */
+  hurried = false;
+
   private before = new Float32Array(0);
   private now = new Float32Array(0);
   private arrived = 0;
@@ -60,13 +63,15 @@ export class Fields {
       now[r] = u_theta[p];
       now[r + 1] = u_z[p];
     }
-    if (another) {
+    if (another || this.hurried) {
       for (let q = 0; q < order.length; q += 4) {
         order[q] = order[q + 2];
         order[q + 1] = order[q + 3];
       }
       before.set(now);
-    } else {
+    }
+    this.hurried = false;
+    if (!another) {
       const gap = at - this.arrived;
       if (gap < LONGEST) this.interval += 0.3 * (Math.max(gap, BRIEFEST) - this.interval);
     }

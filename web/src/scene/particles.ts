@@ -30,7 +30,7 @@ export class Particles {
 
   constructor(
     calm: boolean,
-    count = calm ? 320 : 900,
+    count = 900,
     private readonly random: () => number = Math.random,
   ) {
     this.count = count;

@@ -44,3 +44,14 @@ export class Quality {
     return Math.min(window.devicePixelRatio || 1, this.limit);
   }
 }
+
+/** Whether WebGL runs on the processor: multisampling then costs more than it shows, and so do many particles. */
+export function inSoftware(): boolean {
+  const context = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
+  if (context === null) return true;
+  // Not every browser counts it as a caveat; the renderer's name tells.
+  const names = context.getExtension('WEBGL_debug_renderer_info');
+  const renderer = String(context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER));
+  context.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
+}

@@ -7,7 +7,7 @@ import { Fields } from './fields';
 import { UnwrappedMap } from './map';
 import { Particles } from './particles';
 import { beside } from './picture';
-import { Quality } from './quality';
+import { inSoftware, Quality } from './quality';
 import { View } from './view';
 
 export type { Tool } from './control';
@@ -22,6 +22,9 @@ export interface SceneOptions {
 /** Milliseconds between redrawings of the map's colours, and of its streamlines. */
 const MAP_EVERY = 60;
 const LINES_EVERY = 330;
+/** Tracer particles; few for eyes that want calm, and where a processor draws them. */
+const MANY = 900;
+const FEW = 300;
 
 export class Scene {
   playing = false;
@@ -31,7 +34,7 @@ export class Scene {
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
   private readonly view = new View();
-  private readonly particles = new Particles(matchMedia('(prefers-reduced-motion: reduce)').matches);
+  private readonly particles: Particles;
   private readonly map: UnwrappedMap;
   private readonly control: Control;
   private readonly quality = new Quality();
@@ -51,6 +54,9 @@ export class Scene {
 
   constructor(private readonly options: SceneOptions) {
     const { palette, dark } = options;
+    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const software = inSoftware();
+    this.particles = new Particles(calm, calm || software ? FEW : MANY);
     this.map = new UnwrappedMap(palette, this.particles);
     const label = (canvas: HTMLCanvasElement, text: string): void => {
       canvas.tabIndex = 0;
@@ -67,7 +73,7 @@ export class Scene {
     place(options.map, this.map.still, this.map.moving);
     this.canvas.style.touchAction = 'none';
     try {
-      this.cylinder = new Cylinder(this.canvas, this.particles, palette, dark);
+      this.cylinder = new Cylinder(this.canvas, this.particles, palette, dark, software);
     } catch {
       this.missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
       this.canvas.hidden = true;
@@ -91,6 +97,11 @@ export class Scene {
 
   get statistics(): { frames: number; fps: number; lastShown: number } {
     return { frames: this.quality.frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown };
+  }
+
+  /** Show the next frame as soon as it comes, without a passage: it answers an action. */
+  hurry(): void {
+    this.fields.hurried = true;
   }
 
   show(frame: Frame): void {

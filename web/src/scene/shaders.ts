@@ -2,6 +2,7 @@
 
 export const surfaceVertex = /* glsl */ `
 in vec2 place; // theta, and height from 0 to 1
+uniform mat4 toScreen;
 uniform float turn;
 uniform float cell;
 out vec2 at;
@@ -9,7 +10,7 @@ out vec3 outward;
 void main() {
   at = vec2(place.x, place.y * cell);
   outward = vec3(sin(place.x - turn), 0.0, cos(place.x - turn));
-  gl_Position = projectionMatrix * viewMatrix * vec4(outward.x, (place.y - 0.5) * cell, outward.z, 1.0);
+  gl_Position = toScreen * vec4(outward.x, (place.y - 0.5) * cell, outward.z, 1.0);
 }`;
 
 export const surfaceFragment = /* glsl */ `
@@ -89,11 +90,12 @@ void main() {
 
 export const endVertex = /* glsl */ `
 in vec2 place; // angle, and distance from the axis
+uniform mat4 toScreen;
 uniform float height;
 out vec2 disc;
 void main() {
   disc = place.y * vec2(sin(place.x), cos(place.x));
-  gl_Position = projectionMatrix * viewMatrix * vec4(disc.x, height, disc.y, 1.0);
+  gl_Position = toScreen * vec4(disc.x, height, disc.y, 1.0);
 }`;
 
 export const endFragment = /* glsl */ `
@@ -121,6 +123,7 @@ precision highp int;
 precision highp sampler2D;
 in vec3 place; // particle, row, side
 uniform highp sampler2D trail;
+uniform mat4 toScreen;
 uniform float turn;
 uniform float cell;
 uniform float phase;
@@ -141,9 +144,9 @@ void main() {
   vec2 ahead = texelFetch(trail, ivec2(n, max(k - 1, 0)), 0).xy;
   vec2 behind = texelFetch(trail, ivec2(n, min(k + 1, int(rows) - 1)), 0).xy;
   vec3 surface = onSurface(here.xy);
-  vec4 point = projectionMatrix * viewMatrix * vec4(surface, 1.0);
-  vec2 a = (projectionMatrix * viewMatrix * vec4(onSurface(ahead), 1.0)).xy;
-  vec2 b = (projectionMatrix * viewMatrix * vec4(onSurface(behind), 1.0)).xy;
+  vec4 point = toScreen * vec4(surface, 1.0);
+  vec2 a = (toScreen * vec4(onSurface(ahead), 1.0)).xy;
+  vec2 b = (toScreen * vec4(onSurface(behind), 1.0)).xy;
   vec2 way = (a - b) * screen;
   float size = length(way);
   way = size > 1e-3 ? way / size : vec2(0.0, 1.0);

@@ -33,6 +33,7 @@ export class Trails {
       vertexShader: trailVertex,
       fragmentShader: trailFragment,
       uniforms: {
+        toScreen: shared.toScreen,
         turn: shared.turn,
         cell: shared.cell,
         trail: { value: this.texture },
