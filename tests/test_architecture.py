@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).parents[1] / "src" / "cyclosis"
 ORDER = [
     "version",
+    "display",
     "model",
     "analysis",
     "dynamics",

@@ -212,6 +212,26 @@ def test_altered_files_are_named_or_the_change_touched_nothing(tmp_path):
     assert refused > 30
 
 
+ALTERATIONS = {
+    "an attribute": lambda file: file.attrs.modify("length", 5.5),
+    "a recorded number": lambda file: file["order"].__setitem__(1, 0.5),
+    "a time": lambda file: file["time"].__setitem__(1, 1.5),
+    "the restart": lambda file: file["restart/rung"].__setitem__((), 3),
+}
+
+
+@pytest.mark.parametrize("alter", ALTERATIONS.values(), ids=ALTERATIONS)
+def test_what_another_program_alters_is_named(tmp_path, alter):
+    """A change for which HDF5 writes its own checksums anew."""
+    path = stream(tmp_path / "run.nc", t_end=2.0)
+    assert refusal(path) == ""
+    with h5py.File(path, "r+") as file:
+        alter(file)
+    assert "altered" in refusal(path)
+    with pytest.raises(cy.InputError, match="altered"):
+        cy.open_dataset(path)
+
+
 def refusal(path):
     try:
         cy.load(path)

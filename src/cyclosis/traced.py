@@ -28,6 +28,16 @@ def flow(
 
     `values` override parameters by numbers that JAX traces, for example `alpha_u=x` inside `jax.grad`.
     Raises `InputError` in float64 with x64 off, and for unknown parameters.
+
+    Example:
+        >>> import jax
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> P = cy.initial.stripes(grid)
+        >>> def power(mu):
+        ...     return (cy.traced.flow(params, grid, P, precision="float32", mu=mu) ** 2).mean()
+        >>> bool(jax.grad(power)(0.05) < 0)  # the more viscous, the slower
+        True
     """
     cell, spectrum = _prepared(params, grid, P, None, precision, values)
     return unpack(jnp.fft.ifft2(cell.at(spectrum).flow_spectrum))
@@ -43,7 +53,18 @@ def rate_of_change(
     precision: str = "float64",
     **values: Any,
 ) -> jax.Array:
-    """Return dP/dt of a state P, both (2, n_theta, n_z), dimensionless; see `flow` for `values`."""
+    """Return dP/dt of a state P, both (2, n_theta, n_z), dimensionless; see `flow` for `values`.
+
+    Example:
+        >>> import jax
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> P = cy.initial.unidirectional(grid, 0.1)
+        >>> def rate(x):  # of P_z = 0.1: α_p adds α_p (1 - P_z²) P_z
+        ...     return cy.traced.rate_of_change(params, grid, P, precision="float32", alpha_p=x)[1].mean()
+        >>> round(float(jax.grad(rate)(1.0)), 4)
+        0.099
+    """
     cell, spectrum = _prepared(params, grid, P, terms, precision, values)
     return unpack(jnp.fft.ifft2(cell.rate(cell.at(spectrum, time))))
 

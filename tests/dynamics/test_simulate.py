@@ -1,5 +1,7 @@
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import cyclosis as cy
 from cyclosis.dynamics.frames import Frames
@@ -96,6 +98,24 @@ def test_no_step_is_small_enough_for_a_singular_term():
     assert result.status == "diverged"
     assert result.effort.rejected > 0
     assert np.hypot(*result.final_state).max() <= 1.011
+
+
+def test_a_step_across_a_sudden_change_is_tried_again():
+    """What switches within a hundredth of a step: the long step across it errs, and must not stand."""
+
+    def switched(t, P, u, params, grid):
+        return -0.4 * (1 + jnp.tanh((t - 20.3) / 0.01)) * jnp.stack([0 * P[0], 1 + 0 * P[1]])
+
+    params = cy.Parameters(alpha_u=0.0, kappa=0.0)
+    found = cy.simulate(
+        params, GRID, cy.initial.unidirectional(GRID, 0.9), 21.0, 21.0, terms=[*cy.TERMS, switched], rtol=1e-7
+    )
+    true = solve_ivp(
+        lambda t, y: (1 - y**2) * y - 0.025 * y - 0.4 * (1 + np.tanh((t - 20.3) / 0.01)),
+        (0, 21), [0.9], rtol=1e-12, atol=1e-14, max_step=0.01,
+    ).y[0, -1]  # fmt: skip
+    assert found.effort.rejected > 0
+    assert found.final_state[1] == pytest.approx(true, abs=1e-6)
 
 
 def test_a_coarse_grid_is_called_underresolved_and_a_fine_one_is_not():

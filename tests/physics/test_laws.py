@@ -137,6 +137,17 @@ def test_order_never_exceeds_one(p, seed, d_r):
 
 @few
 @given(cells(), seeds)
+def test_a_torque_turns_full_order_and_leaves_its_length(p, seed):
+    """Where |P| = 1 no torque has a part along P: only the rates add to the budget of order."""
+    phases = laws.state(seed)[0]
+    budget = cy.diagnose(p, laws.GRID, np.stack([np.cos(phases), np.sin(phases)]))["budget"]
+    sizes = {name: abs(budget[name]) for name in ("shear", "bundling", "flow_alignment", "repulsion")}
+    assert max(sizes.values()) < 1e-12, sizes
+    assert budget["rotational_diffusion"] == pytest.approx(-p.d_r, abs=1e-12)
+
+
+@few
+@given(cells(), seeds)
 def test_term_budget_adds_up(p, seed):
     """The terms' contributions to d/dt <|P|²>/2 add up to <P·dP/dt>, and to what a run shows."""
     P = laws.state(seed)

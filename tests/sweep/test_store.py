@@ -12,6 +12,7 @@ import pytest
 import xarray
 
 import cyclosis as cy
+from cyclosis.sweep import durable
 from cyclosis.sweep.packed import Damaged, pack, unpack
 from cyclosis.sweep.plan import Sweep
 from cyclosis.sweep.store import MISSING, STALE_SECONDS, Store
@@ -396,11 +397,12 @@ def test_a_write_that_fails_leaves_nothing_and_loses_nothing(store, planned, err
 
 def test_a_short_write_is_gone_on_with(store, planned):
     fakes.filled(store, 1)
-    errors = [
-        error for _, error in each_failure(lambda: store.write(1, fakes.arrays(planned, 1)), short=True)
-    ]
-    assert errors.count(None) == 1, "the call of os.write that was cut short"
-    fakes.same(store.read(1), fakes.arrays(planned, 1))
+    cut_short = 0
+    for _, error in each_failure(lambda: store.write(1, fakes.arrays(planned, 1)), short=True):
+        if error is None:
+            cut_short += 1
+            fakes.same(store.read(1), fakes.arrays(planned, 1))
+    assert cut_short == 1, "the call of os.write"
 
 
 def test_a_store_that_cannot_be_begun_is_refused(planned, tmp_path):
@@ -469,7 +471,7 @@ def test_two_writers_of_one_block_and_a_reader_never_meet(store, planned):
 def test_what_killed_writers_left_is_cleaned_and_living_ones_are_left_alone(store, planned):
     fakes.filled(store)
     folder = store.path_of(0).parent
-    mine, host = os.getpid(), __import__("cyclosis.sweep.store", fromlist=["_host"])._host()
+    mine, host = os.getpid(), durable.host()
     dead = 2**22 + 1  # above the largest number of a process
     living, killed = f".000000001.nc.{host}.{mine}.ab.new", f".000000001.nc.{host}.{dead}.ab.new"
     far, old = ".000000001.nc.elsewhere.17.ab.new", ".000000002.nc.elsewhere.17.ab.new"

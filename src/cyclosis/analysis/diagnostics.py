@@ -28,7 +28,16 @@ from ..model.system import System, system
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number of a state: its name, symbol, further dimensions, unit, meaning, and how to get it."""
+    """One number of a state: its name, symbol, further dimensions, unit, meaning, and how to get it.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> for item in cy.diagnostics.QUANTITIES[7:10]:
+        ...     print(f"{item.name} = {item.symbol}: {item.meaning}")
+        power_input = <F·u>: power that the filaments' force puts into the flow
+        viscous_dissipation = μ <|∇u|²>: power dissipated by viscosity
+        friction_dissipation = <|u|²>: power dissipated by friction with the wall
+    """
 
     name: str
     symbol: str
@@ -60,7 +69,19 @@ def _gradient_energy(cell: System, now: Moment) -> Any:
 
 
 def tail(cell: System, energy: jax.Array) -> Any:
-    """Return the amplitude in the spectral tail over that of all modes, from the energy of each mode."""
+    """Return the amplitude in the spectral tail over that of all modes, from the energy of each mode.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> from cyclosis.model.system import system
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> cell = system(cy.Parameters(), grid)
+        >>> energy = np.zeros(grid.shape)
+        >>> energy[1, 0], energy[6, 0] = 3.0, 1.0  # of m = 7 at most
+        >>> float(cy.diagnostics.tail(cell, energy))  # (1/4)^½
+        0.5
+    """
     m = jnp.abs(cell.space.m) / jnp.max(cell.space.m)
     q = jnp.abs(cell.space.q) / jnp.max(cell.space.q)
     beyond = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
@@ -158,7 +179,19 @@ QUANTITIES = (
 
 @jax.jit
 def measure(cell: System, spectrum: Any, time: Any) -> dict[str, Any]:
-    """Return every quantity of a packed spectrum, by name (traceable)."""
+    """Return every quantity of a packed spectrum, by name (traceable).
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.model.precision import double
+        >>> from cyclosis.model.system import system
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> cell = system(cy.Parameters(), grid)
+        >>> with double():
+        ...     now = cy.diagnostics.measure(cell, cell.spectrum(cy.initial.stripes(grid)), 0.0)
+        >>> round(float(now["max_P"]), 6)
+        0.9
+    """
     now = cell.at(spectrum, time)
     return {item.name: item.compute(cell, now) for item in QUANTITIES}
 
@@ -174,6 +207,16 @@ def diagnose(
 
     Scalars are floats; `mean_P` is an array (2,), `budget` a dictionary by term. Raises `InputError`
     if state or parameter fields do not match the grid.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> now = cy.diagnose(cy.Parameters(), grid, cy.initial.stripes(grid))
+        >>> dissipated = now["viscous_dissipation"] + now["friction_dissipation"]
+        >>> abs(now["power_input"] - dissipated) < 1e-12, abs(now["net_flux"]) < 1e-12
+        (True, True)
+        >>> round(now["order"], 4), now["mean_P"].shape, sorted(now["budget"])[:2]  # 0.9/2^½
+        (0.6364, (2,), ['advection', 'bundling'])
     """
     P = grid.check_state(state)
     cell = system(params, grid, terms)
@@ -191,6 +234,15 @@ def spectra(grid: CylinderGrid, state: npt.ArrayLike) -> dict[str, Array]:
     `m` and `azimuthal` (mode numbers 0, 1, ... and the energy in them, summed over q), `q` and `axial`
     likewise; each energy array sums to <|P|²>. Dimensionless. Raises `InputError` for a state that
     does not match the grid.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> found = cy.spectra(grid, cy.initial.stripes(grid, count=4, magnitude=1.0))
+        >>> found["m"][:4], found["azimuthal"][:4].round(6)  # all in m = 2, and <|P|²> = 1/2
+        (array([0., 1., 2., 3.]), array([0. , 0. , 0.5, 0. ]))
+        >>> found["q"].shape, round(float(found["axial"].sum()), 6)
+        ((9,), 0.5)
     """
     P = grid.check_state(state)
     energy = np.sum(np.abs(np.fft.fft2(P, norm="forward")) ** 2, axis=0)

@@ -42,6 +42,15 @@ class Regime:
     (both empty where there are none), `mean_P` the mean order vector (2,), `order` <|P|²>^½, `drift` the
     rigid velocity (theta, z) that best explains dP/dt, `rate` the relative rate of change
     <|dP/dt|²>^½ / <|P|²>^½, `settled` whether that is below 10⁻³.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> found = cy.regime(cy.Parameters(), grid, cy.initial.stripes(grid))
+        >>> found.name, found.reason, found.widths.round(4)
+        ('cyclosis', 'two stripes along the whole cell', array([0.5, 0.5]))
+        >>> round(found.order, 4), found.settled, found.zones.shape, found.drift.shape
+        (0.6364, False, (2,), (2,))
     """
 
     name: str
@@ -81,6 +90,14 @@ def regime(
 
     The name says what a state looks like, not that it lasts: see `rate` and `settled`. Raises
     `InputError` if state or parameter fields do not match the grid.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> print(cy.regime(params, grid, cy.initial.stripes(grid)))
+        cyclosis (two stripes along the whole cell)
+        >>> cy.regime(params, grid, cy.initial.disordered(grid)).name
+        'disordered'
     """
     P = grid.check_state(state)
     change = rate_of_change(params, grid, P, time, terms)

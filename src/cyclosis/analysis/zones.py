@@ -22,6 +22,18 @@ class Zone:
     `theta` and `z` are the unwrapped coordinates along it (they leave the fundamental domain where
     the line crosses its edge); `winding` counts its turns (around the axis, along the axis): (0, ±1)
     runs along the cell, (0, 0) is a closed loop.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16, length=5.0)
+        >>> state = cy.initial.stripes(grid)
+        >>> state[1] = 0.9 * np.sin(grid.theta[:, None] + 2 * np.pi * grid.z / grid.length)  # a helix
+        >>> zone = cy.zones.indifferent_zones(grid, state)[0]
+        >>> tuple(map(abs, zone.winding)), round(zone.straightness, 3)
+        ((1, 1), 1.0)
+        >>> round(zone.arc_length, 2)  # (5² + (2π)²)^½
+        8.03
     """
 
     theta: Array
@@ -45,6 +57,13 @@ def indifferent_zones(grid: CylinderGrid, state: npt.ArrayLike) -> list[Zone]:
 
     Contours are traced on the grid by linear interpolation and joined across the periodic edges.
     Coordinates are dimensionless (radians, radii). Raises `InputError` for a mismatched state.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16, length=5.0)
+        >>> found = cy.zones.indifferent_zones(grid, cy.initial.stripes(grid))
+        >>> [(abs(zone.winding[1]), round(zone.arc_length, 6)) for zone in found]
+        [(1, 5.0), (1, 5.0)]
     """
     P_z = np.pad(grid.check_state(state)[1], ((0, 1), (0, 1)), mode="wrap")
     theta, z = np.append(grid.theta, 2 * np.pi), np.append(grid.z, grid.length)
@@ -94,6 +113,13 @@ def zone_angles(profile: npt.ArrayLike) -> Array:
 
     The profile (n_theta,) is read as its trigonometric interpolant, so that the angles of a resolved
     profile are exact to rounding. Sorted; dimensionless (radians).
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> theta = cy.CylinderGrid(16, 16).theta
+        >>> cy.zones.zone_angles(np.cos(theta)).round(6)  # π/2 and 3π/2
+        array([1.570796, 4.712389])
     """
     values = np.asarray(profile, dtype=np.float64)
     n = values.size
@@ -126,6 +152,11 @@ def stripe_widths(angles: npt.ArrayLike) -> Array:
     """Return the widths of the stripes between sorted zone angles, as fractions of the circumference.
 
     Width i lies between angle i and the next one around; they sum to 1. Empty for no zones.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.zones.stripe_widths([1.5707963, 3.1415927]).round(4)  # π/2 and π
+        array([0.25, 0.75])
     """
     sorted_angles = np.asarray(angles, dtype=np.float64)
     if sorted_angles.size == 0:

@@ -43,7 +43,16 @@ if TYPE_CHECKING:
 
 
 def to_dataset(run: Trajectory) -> xarray.Dataset:
-    """Return a trajectory as an `xarray.Dataset` in memory, as a file of it would be read."""
+    """Return a trajectory as an `xarray.Dataset` in memory, as a file of it would be read.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.dataset import to_dataset
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> data = to_dataset(cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0))
+        >>> data["P"].dims, data["stripe_width"].isel(time=-1).values[:2].round(3)
+        (('time', 'component', 'theta', 'z'), array([0.5, 0.5]))
+    """
     return _dataset(of_trajectory(run), run.grid.shape)
 
 
@@ -52,6 +61,17 @@ def write(run: Trajectory, path: str | os.PathLike[str], force: bool = False) ->
 
     The file appears whole or not at all: it is written under a temporary name beside its place, synced
     and renamed. Raises `InputError` if `path` exists and `force` is not given, or cannot be written.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0)
+        >>> cy.write(run, "run.nc").name
+        'run.nc'
+        >>> cy.write(run, "run.nc")
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: out = 'run.nc' cannot be used: ...
     """
     target = Path(path)
     check_writable(target, force)
@@ -60,7 +80,17 @@ def write(run: Trajectory, path: str | os.PathLike[str], force: bool = False) ->
 
 
 def check_writable(target: Path, force: bool) -> None:
-    """Raise `InputError` if a file is in the way or its folder is missing."""
+    """Raise `InputError` if a file is in the way or its folder is missing.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from cyclosis.dataset import check_writable
+        >>> check_writable(Path("new.nc"), force=False)
+        >>> check_writable(Path("nowhere/new.nc"), force=False)
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: out = 'nowhere/new.nc' cannot be used: ...
+    """
     if target.is_dir():
         raise InputError("out", str(target), "a file name", "add a name to the folder")
     if target.exists() and not force:
@@ -74,6 +104,14 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
 
     An unfinished run is opened as far as it was saved. Raises `InputError` for a file that is none, of
     another schema, truncated or altered.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> path = cy.write(cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0), "opened.nc")
+        >>> with cy.open_dataset(path) as data:
+        ...     print(data["order"].dims, data["time"].values, data["order"].attrs["units"])
+        ('time',) [0. 1. 2.] 1
     """
     import xarray  # heavy, and of no use to those who only write files
 
@@ -99,6 +137,15 @@ def load(
 
     `terms` must be given again if the user wrote some. Without `fields` the frames stay in the file.
     Raises `InputError` for files that `open_dataset` refuses.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0)
+        >>> again = cy.load(cy.write(run, "loaded.nc"))
+        >>> again.params == params, bool(np.array_equal(again.final_state, run.final_state))
+        (True, True)
     """
     place = Path(path)
     contents = joined(parts(place), fields)

@@ -21,6 +21,13 @@ def write_table(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> Path:
 
     The columns are the variables over the first dimension alone. The file appears whole or not at all. Raises
     `InputError` for other suffixes and for places that cannot be written to.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.dataset import write_table
+        >>> profile = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
+        >>> write_table(profile.to_dataset(), "profile.csv").read_text().split()[0]
+        'theta,P,u'
     """
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:

@@ -24,6 +24,15 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
     the first points, around and along the axis. Point data: vectors `P` and `u` in Cartesian
     components, scalars `P_theta`, `P_z`, `u_theta`, `u_z`. Dimensionless. Raises `InputError` if
     the folder is not empty (unless `force`) or cannot be written.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.dataset import export_vtk
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0)
+        >>> collection = export_vtk(run.to_dataset(), "surface")
+        >>> collection.name, sorted(path.name for path in collection.parent.glob("*.vts"))
+        ('surface.pvd', ['frame-00000.vts', 'frame-00001.vts'])
     """
     target = Path(folder)
     try:

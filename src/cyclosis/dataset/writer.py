@@ -29,6 +29,16 @@ class RunWriter:
     With `continues` the run goes on from what stands there. Raises `InputError` if a file or an
     unfinished run is in the way (unless `force`), and when a part cannot be written; parts written
     before are kept.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> writer = cy.RunWriter("streamed.nc")
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0, checkpoint=writer)
+        >>> writer.finish(run).name
+        'streamed.nc'
+        >>> len(cy.load("streamed.nc").frames)
+        3
     """
 
     def __init__(self, path: str | os.PathLike[str], force: bool = False, continues: bool = False) -> None:
@@ -61,7 +71,9 @@ class RunWriter:
         contents = of_trajectory(run, self.frames, self.records, self.interventions)
         contents.attributes |= self.marks
         try:
-            self.folder.mkdir(exist_ok=True)
+            if not self.folder.is_dir():
+                self.folder.mkdir(exist_ok=True)
+                sync_folder(self.folder.parent)
         except OSError as error:
             raise unwritable(self.folder, error) from error
         write_contents(contents, self.folder / f"{self.number:06d}.nc")
@@ -70,7 +82,17 @@ class RunWriter:
         run.frames.release()
 
     def stands(self, run: Trajectory) -> None:
-        """Take note that all of a run is in the file."""
+        """Take note that all of a run is in the file.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+            >>> path = cy.write(cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0), "standing.nc")
+            >>> run, writer = cy.load(path, fields=False), cy.RunWriter(path, continues=True)
+            >>> writer.stands(run)
+            >>> writer.finish(cy.resume(run, t_end=2.0, checkpoint=writer)).name
+            'standing.nc'
+        """
         self.frames, self.records = len(run.frames), run.record_times.size
         self.interventions = len(run.interventions)
 
@@ -80,7 +102,17 @@ class RunWriter:
         return self.join()
 
     def join(self) -> Path:
-        """Join the parts that stand into the file, and return its path."""
+        """Join the parts that stand into the file, and return its path.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+            >>> writer = cy.RunWriter("cut.nc")
+            >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0, checkpoint=writer)
+            >>> writer(run)
+            >>> writer.join().name
+            'cut.nc'
+        """
         whole = joined(parts(self.target))
         for mark in MARKS:
             whole.attributes.pop(mark, None)
@@ -102,6 +134,13 @@ def resume_file(
 
     Bitwise as if it had never stopped, see `resume`. The trajectory's frames stay in the file. Raises
     `InputError` for files that cannot be read, runs that cannot go on, and failures to write.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> path = cy.write(cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0), "resumed.nc")
+        >>> cy.resume_file(path, t_end=2.0).t_final, len(cy.load(path).frames)
+        (2.0, 3)
     """
     run = load(path, terms, fields=False)
     writer = RunWriter(path, continues=True)

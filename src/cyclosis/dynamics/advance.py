@@ -14,10 +14,10 @@ import jax
 import jax.numpy as jnp
 
 from ..model.system import System
-from .steppers import Tableau, step, tableau
+from .steppers import METHODS, Method
 
 FIRST_RUNG, LOWEST_RUNG, HIGHEST_RUNG = -8, -46, 40
-SAFETY, ORDER = 0.9, 4
+SAFETY = 0.9
 MAX_RISE, MAX_FALL = 2, 8
 DIVERGED = 1.0 + 1e-2
 """Magnitude |P| beyond which a run has diverged: |P| <= 1 is invariant in the exact dynamics."""
@@ -76,28 +76,36 @@ def start(system: System, spectrum: jax.Array, t: Any) -> Progress:
     )
 
 
-@partial(jax.jit, static_argnames="adaptive")
+@partial(jax.jit, static_argnames="method")
 def advance(
-    system: System, control: Control, progress: Progress, target: Any, max_steps: Any, adaptive: bool
+    system: System,
+    control: Control,
+    progress: Progress,
+    target: Any,
+    max_steps: Any,
+    method: Method = METHODS["adaptive"],
 ) -> Progress:
     """Step on until `target` is reached, the state is steady, a step fails, or `max_steps` are tried."""
     linear = system.linear()
     first = progress.accepted + progress.rejected
 
-    def unfinished(carry: tuple[Progress, Any, Tableau]) -> Any:
+    def unfinished(carry: tuple[Progress, Any, Any]) -> Any:
         now = carry[0]
         tried = now.accepted + now.rejected - first
         moving = (now.rate > control.steady_rate) | (now.accepted == 0)
         return (now.t < target) & ~now.failed & moving & (tried < max_steps)
 
-    def body(carry: tuple[Progress, Any, Tableau]) -> tuple[Progress, Any, Tableau]:
+    def body(carry: tuple[Progress, Any, Any]) -> tuple[Progress, Any, Any]:
         now, tabulated, coefficients = carry
-        now = _aim(now, control, target, adaptive)
-        coefficients = jax.lax.cond(now.h == tabulated, lambda: coefficients, lambda: tableau(linear, now.h))
-        return one_step(system, control, now, target, linear, coefficients, adaptive), now.h, coefficients
+        now = _aim(now, control, target, method.adaptive)
+        coefficients = jax.lax.cond(
+            now.h == tabulated, lambda: coefficients, lambda: method.tableau(linear, now.h)
+        )
+        return one_step(system, control, now, target, linear, coefficients, method), now.h, coefficients
 
-    blank = jnp.zeros_like(linear)
-    carry = (progress, jnp.asarray(-1.0, jnp.float64), Tableau(*(blank for _ in Tableau._fields)))
+    shapes = jax.eval_shape(method.tableau, linear, progress.h)
+    blank = jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
+    carry = (progress, jnp.asarray(-1.0, jnp.float64), blank)
     return jax.lax.while_loop(unfinished, body, carry)[0]
 
 
@@ -112,17 +120,23 @@ def _aim(now: Progress, control: Control, target: Any, adaptive: bool) -> Progre
 
 
 def one_step(
-    system: System, control: Control, now: Progress, target: Any, linear: Any, c: Tableau, adaptive: bool
+    system: System,
+    control: Control,
+    now: Progress,
+    target: Any,
+    linear: Any,
+    c: Any,
+    method: Method = METHODS["adaptive"],
 ) -> Progress:
     """Try a step of length `now.h` with its coefficients, and choose the rung of the next."""
-    result = step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
+    result = method.step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
     rate = _relative_rate(linear, result.spectrum, result.nonlinear)
     bounded = (result.peak <= control.bound**2) & jnp.isfinite(rate)  # False for NaN as well
-    if adaptive:
+    if method.adaptive:
         error = _rms(result.error) / _tolerance(control, now, _rms(result.spectrum))
         good = bounded & (error <= 1.0)
         # The length that would just meet the tolerance; a clipped step says nothing against its rung.
-        factor = jnp.where(bounded, SAFETY * jnp.maximum(error, 1e-12) ** (-1.0 / ORDER), 0.0)
+        factor = jnp.where(bounded, SAFETY * jnp.maximum(error, 1e-12) ** (-1.0 / method.order), 0.0)
         fitting = jnp.floor(2.0 * jnp.log2(jnp.maximum(factor * now.h, 1e-30)) + 1e-9).astype(jnp.int64)
         kept = jnp.where(factor >= 1.0, jnp.maximum(fitting, now.rung), fitting)
         tried = jnp.floor(2.0 * jnp.log2(now.h) + 1e-9).astype(jnp.int64)
@@ -150,7 +164,7 @@ def one_step(
         h=now.h,
         # Zero asks for a new cut of the way to the target.
         left=jnp.where((rung != now.rung) | ~good, 0, onward),
-        evaluations=now.evaluations + 4,
+        evaluations=now.evaluations + method.evaluations,
         accepted=now.accepted + good,
         rejected=now.rejected + ~good,
         peak=pick(jnp.maximum(jnp.sqrt(result.peak).astype(jnp.float64), now.peak), now.peak),

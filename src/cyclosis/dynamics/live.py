@@ -111,7 +111,7 @@ class Live:
         control = self._control._replace(bound=self.course.bound(self._done))
         with double():
             began = clock.perf_counter()
-            now = advance(self._cell, control, self._now, np.float64(target), np.int64(self._steps), True)
+            now = advance(self._cell, control, self._now, np.float64(target), np.int64(self._steps))
             now.t.block_until_ready()
             spent = clock.perf_counter() - began
             self._steps = int(np.clip(self._steps * SLICE_SECONDS / spent, 1, 4096))

@@ -12,200 +12,25 @@ Times are dimensionless (R/U). Steps at the same time act in the order in which 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
-from ..model.definitions import PARAMETERS, Definition
-from ..model.errors import InputError, choice, closest, whole
-from ..model.interventions import ACTIONS, AT, SHORTEST_RAMP
-from ..model.region_tables import from_table
+from ..model.definitions import PARAMETERS
+from ..model.errors import InputError, whole
 from ..model.regions import Region
+from .steps import Align as Align
+from .steps import Change as Change
+from .steps import Depolymerise as Depolymerise
+from .steps import Fragment as Fragment
+from .steps import Noise as Noise
+from .steps import Step as Step
+from .steps import WashOut as WashOut
+from .steps import step_from_table as step_from_table
 
 MOST_STEPS = 1000
 LONGEST = 50_000
 """Characters that a protocol may take in a file: all that was asked for stands in one attribute of 64 kB."""
-_BY_NAME = {item.name: item for item in PARAMETERS}
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step of a protocol. Make one with the functions of this module, not with its classes."""
-
-    at: float
-    action: ClassVar[str]
-    random: ClassVar[bool] = False
-    acts_on_state: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        items = {item.name: item for item in (AT, *ACTIONS[self.action].keys)}
-        for own in fields(self):
-            if own.name in items:
-                object.__setattr__(self, own.name, _checked(items[own.name], getattr(self, own.name)))
-        region = getattr(self, "where", None)
-        if region is not None and not isinstance(region, Region):
-            raise InputError(
-                "where", region, "a region of cyclosis.regions", "make it with regions.disc, say"
-            )
-        over = getattr(self, "over", 0.0)
-        if 0 < over < SHORTEST_RAMP:
-            raise InputError("over", over, f"0 or at least {SHORTEST_RAMP:g}", "leave it out for a jump")
-
-    @property
-    def until(self) -> float:
-        """The time at which the step has ended."""
-        # Rounding makes 0.1 + 0.2 the time 0.3 at which a user would begin the next.
-        over = getattr(self, "over", 0.0)
-        return round(self.at + over, 12) if over else self.at
-
-    @property
-    def what(self) -> str:
-        """What the step does, in words."""
-        raise NotImplementedError
-
-    def as_table(self) -> dict[str, Any]:
-        """Return the step as a plain table, as it would stand in a file, without what is left at nothing."""
-        out: dict[str, Any] = {"at": self.at, "action": self.action}
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if item.name == "values":
-                out |= dict(value)
-            elif isinstance(value, Region):
-                out[item.name] = value.as_table()
-            elif value is not None and item.name != "at" and (item.name != "over" or value):
-                out[item.name] = list(value) if isinstance(value, tuple) else value
-        return out
-
-    def __str__(self) -> str:
-        region = getattr(self, "where", None)
-        over = getattr(self, "over", 0.0)
-        span = f"t = {self.at:g} to {self.until:g}" if over else f"t = {self.at:g}"
-        return f"{span}: {self.what}" + (f", in {region}" if region is not None else "")
-
-
-@dataclass(frozen=True)
-class Change(Step):
-    """Parameters take other values, at once or linearly over a time."""
-
-    action = "change"
-    values: tuple[tuple[str, Any], ...]
-    over: float = 0.0
-    where: Region | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        given = dict(self.values)
-        for name in given:
-            if name not in _BY_NAME:
-                rule = "one of " + ", ".join(_BY_NAME)
-                raise InputError("parameter", name, rule, closest(name, _BY_NAME))
-        if not given:
-            raise InputError("change", {}, "given at least one parameter", "add alpha_p = 0, say")
-        for name, value in given.items():
-            self._refuse_impossible(name, value)
-        checked = ((item.name, item.check(given[item.name])) for item in PARAMETERS if item.name in given)
-        object.__setattr__(self, "values", tuple(checked))
-
-    def _refuse_impossible(self, name: str, value: Any) -> None:
-        item = _BY_NAME[name]
-        if getattr(value, "ndim", 0) or isinstance(value, list | tuple):
-            raise InputError(name, value, "one number in a protocol", "limit the step to regions with where")
-        if self.where is not None and not item.field:
-            able = ", ".join(other.name for other in PARAMETERS if other.field)
-            rule = f"changed on the whole surface; only {able} may differ from place to place"
-            raise InputError(name, value, rule, "leave out where")
-        if self.over and item.kind == "flag":
-            raise InputError(name, value, "changed at once, for it is true or false", "leave out over")
-
-    @property
-    def what(self) -> str:
-        """The new values, in words."""
-        return ", ".join(f"{name} = {_text(value)}" for name, value in self.values)
-
-
-@dataclass(frozen=True)
-class Fragment(Step):
-    """P becomes fresh disorder, as that of `cyclosis.initial.disordered`."""
-
-    action = "fragment"
-    random = True
-    acts_on_state = True
-    filaments_per_square: float = 1000.0
-    noise_grid: tuple[int, int] | None = None
-    seed: int | None = None
-    where: Region | None = None
-
-    @property
-    def what(self) -> str:
-        """The action in words."""
-        return f"fragment to {self.filaments_per_square:g} filaments per square"
-
-
-@dataclass(frozen=True)
-class Depolymerise(Step):
-    """P is multiplied by a factor."""
-
-    action = "depolymerise"
-    acts_on_state = True
-    keep: float = 0.0
-    where: Region | None = None
-
-    @property
-    def what(self) -> str:
-        """The action in words."""
-        return f"depolymerise to {self.keep:g} of P"
-
-
-@dataclass(frozen=True)
-class Align(Step):
-    """P becomes a vector of one direction and magnitude."""
-
-    action = "align"
-    acts_on_state = True
-    angle: float = 0.0
-    magnitude: float = 0.9
-    where: Region | None = None
-
-    @property
-    def what(self) -> str:
-        """The action in words."""
-        return f"align to {self.magnitude:g} at angle {self.angle:g}"
-
-
-@dataclass(frozen=True)
-class Noise(Step):
-    """Noise of standard deviation `size` is added to either component of P."""
-
-    action = "noise"
-    random = True
-    acts_on_state = True
-    size: float = 0.0
-    noise_grid: tuple[int, int] | None = None
-    seed: int | None = None
-    where: Region | None = None
-
-    @property
-    def what(self) -> str:
-        """The action in words."""
-        return f"add noise of size {self.size:g}"
-
-
-@dataclass(frozen=True)
-class WashOut(Step):
-    """All parameters return to what they were before the protocol."""
-
-    action = "wash_out"
-    over: float = 0.0
-
-    @property
-    def what(self) -> str:
-        """The action in words."""
-        return "wash out"
-
-
-_MADE: dict[str, type[Step]] = {
-    kind.action: kind for kind in (Change, Fragment, Depolymerise, Align, Noise, WashOut)
-}
 
 
 def change(at: float, *, over: float = 0.0, where: Region | None = None, **values: Any) -> Step:
@@ -213,6 +38,16 @@ def change(at: float, *, over: float = 0.0, where: Region | None = None, **value
 
     In a region only `alpha_p`, `alpha_u`, `kappa` and `repulsion_angle` can change. Raises `InputError` for
     values that `Parameters` would refuse.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> end = cy.regions.band("z", 0.0, 2.0)
+        >>> print(cy.change(at=100.0, alpha_u=0.0, where=end))
+        t = 100: alpha_u = 0, in band (axis = z, start = 0, stop = 2)
+        >>> cy.change(at=100.0, mu=0.1, where=end)
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: mu = 0.1 cannot be used: ...
     """
     return Change(at, tuple(values.items()), over, where)
 
@@ -228,17 +63,42 @@ def fragment(
     """Return the step that sets P to fresh disorder: normal, of variance 1/(2N) in either component.
 
     Where |P| would exceed 1 it is scaled back to 1. See `Protocol` for how random numbers are drawn.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> wound = cy.regions.disc(theta=3.1, z=2.5, radius=0.5)
+        >>> print(cy.fragment(at=120.0, where=wound))
+        t = 120: fragment to 1000 filaments per square, in disc (theta = 3.1, z = 2.5, radius = 0.5)
     """
     return Fragment(at, filaments_per_square, noise_grid, seed, where)
 
 
 def depolymerise(at: float, *, keep: float = 0.0, where: Region | None = None) -> Step:
-    """Return the step that multiplies P by `keep`, from 0 to 1."""
+    """Return the step that multiplies P by `keep`, from 0 to 1.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> half = cy.Protocol(cy.depolymerise(at=0.0, keep=0.5))
+        >>> run = cy.simulate(params, grid, cy.initial.unidirectional(grid, 0.8), t_end=0.1, protocol=half)
+        >>> round(float(run.interventions[0].after.max()), 6)
+        0.4
+    """
     return Depolymerise(at, keep, where)
 
 
 def align(at: float, *, angle: float, magnitude: float = 0.9, where: Region | None = None) -> Step:
-    """Return the step that sets P to one direction, `angle` radians from e_theta: π/2 is up the cell."""
+    """Return the step that sets P to one direction, `angle` radians from e_theta: π/2 is up the cell.
+
+    Example:
+        >>> import math
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> down = cy.Protocol(cy.align(at=0.0, angle=-math.pi / 2))
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=0.1, protocol=down)
+        >>> cy.regime(params, grid, run.final_state).name
+        'unidirectional'
+    """
     return Align(at, angle, magnitude, where)
 
 
@@ -253,6 +113,12 @@ def noise(
     """Return the step that adds normal noise of standard deviation `size` to either component of P.
 
     Where |P| would exceed 1 it is scaled back to 1. See `Protocol` for how random numbers are drawn.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> protocol = cy.Protocol(cy.noise(at=10.0, size=0.05), cy.noise(at=20.0, size=0.05))
+        >>> [step.seed for step in protocol]  # two draws, neither that of the initial state
+        [1, 2]
     """
     return Noise(at, size, noise_grid, seed, where)
 
@@ -261,6 +127,14 @@ def wash_out(at: float, *, over: float = 0.0) -> Step:
     """Return the step that returns all parameters to those of the run, at once or linearly over a time.
 
     What is true or false (`zero_theta_flux`) returns at once.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> drug = cy.Protocol(cy.change(at=1.0, alpha_p=0.0), cy.wash_out(at=2.0, over=1.0))
+        >>> params, grid = cy.Parameters(alpha_p=1.0), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=0.1, protocol=drug)
+        >>> [run.params_at(t).alpha_p for t in (0.5, 1.5, 2.5, 3.0)]
+        [1.0, 0.0, 0.5, 1.0]
     """
     return WashOut(at, over)
 
@@ -274,6 +148,20 @@ class Protocol:
     initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no
     step, for more than 1000 of them or more than a file can hold, and for a parameter that is changed while a
     ramp of it is under way.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> steps = cy.change(at=10.0, alpha_p=0.0), cy.fragment(at=12.0), cy.wash_out(at=15.0)
+        >>> drug = cy.Protocol(*steps, seed=1)
+        >>> drug
+        Protocol: 3 steps, seed 1
+        ├─ t = 10: alpha_p = 0
+        ├─ t = 12: fragment to 1000 filaments per square
+        └─ t = 15: wash out
+        >>> len(drug), drug.random, drug.with_seed(2).seed
+        (3, True, 2)
+        >>> cy.Protocol.from_tables(drug.as_tables(), seed=1) == drug
+        True
     """
 
     steps: tuple[Step, ...]
@@ -351,37 +239,6 @@ def _seeded(steps: list[Step]) -> tuple[Step, ...]:
     )
 
 
-def step_from_table(table: Any) -> Step:
-    """Return the step that a table describes, as it would stand under [[protocol]].
-
-    Raises `InputError` for any mistake in it.
-    """
-    if not isinstance(table, Mapping):
-        raise InputError("step", table, "a table", "write at = ..., action = ...")
-    given = dict(table)
-    action = choice("action", given.pop("action", None), tuple(ACTIONS))
-    about = ACTIONS[action]
-    items = {item.name: item for item in (AT, *about.keys)}
-    known = [*items, *(["where"] if about.regional else [])]
-    for name in given:
-        if name not in known:
-            rule = f"a key of action {action}: " + ", ".join(known)
-            raise InputError("key", name, rule, closest(name, known))
-    for item in items.values():
-        if item.needed and given.get(item.name) is None:
-            raise InputError(item.name, None, f"given for action {action}", f"add {item.name}, {item.rule}")
-    if "where" in given:
-        given["where"] = from_table(given["where"])
-    if action == "change":
-        values = tuple((name, given.pop(name)) for name in list(given) if name in _BY_NAME)
-        given["values"] = values
-    return _MADE[action](**given)
-
-
-def _checked(item: Definition, value: Any) -> Any:
-    return item.check(list(value) if isinstance(value, tuple) else value)
-
-
 def _refuse_overlaps(steps: tuple[Step, ...]) -> None:
     changed = set[str]()
     ends: dict[str, tuple[float, float]] = {}
@@ -396,7 +253,3 @@ def _refuse_overlaps(steps: tuple[Step, ...]) -> None:
                 raise InputError(f"at of {step.action}", step.at, rule, "let one change end before the next")
             if step.until > end:
                 ends[name] = (step.at, step.until)
-
-
-def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value).lower()

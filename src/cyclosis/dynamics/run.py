@@ -21,7 +21,7 @@ from .frames import Frames
 from .interrupts import Interrupts
 from .restart import Restart
 from .settings import Settings
-from .steppers import RK4_STABILITY
+from .steppers import METHODS
 from .trajectory import Effort, Status, Trajectory
 
 UNDERRESOLVED_TAIL = 1e-2
@@ -35,7 +35,16 @@ NEVER = -1.0
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What a progress callback sees: the time reached, the end, the state, and the seconds spent."""
+    """What a progress callback sees: the time reached, the end, the state, and the seconds spent.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> seen = []
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0, progress=seen.append)
+        >>> seen[-1].t, seen[-1].t_end, seen[-1].state.shape
+        (1.0, 1.0, (2, 16, 16))
+    """
 
     t: float
     t_end: float
@@ -50,7 +59,7 @@ class Watch:
         self.patience = _decay_time(cell)
         self.blind_until = 0.0
         # Steps of finite accuracy may overshoot by about their tolerance; more is the grid's doing.
-        self.overshoot = 1.0 + 1e-6 + (settings.rtol if settings.stepper == "adaptive" else 0.0)
+        self.overshoot = 1.0 + 1e-6 + (settings.rtol if METHODS[settings.stepper].adaptive else 0.0)
         self.time: float | None = None
         self.sign = ""
 
@@ -98,7 +107,7 @@ class Run:
         self.frames, self.times = Frames((2, *course.grid.shape), dtypes(how.precision)[0]), list[float]()
         self.record_times, self.records = list[float](), list[dict[str, Any]]()
         self.watch = Watch(cell, how)
-        stages = range(len(course.times) + 1) if how.stepper == "rk4" else (0,)
+        stages = (0,) if METHODS[how.stepper].exact else range(len(course.times) + 1)
         dt = how.dt or min(default_dt(how, course.system(k)) for k in stages)
         numbers = (np.float64(x) for x in (how.rtol, how.atol, dt, NEVER))
         self.control = Control(*numbers)
@@ -158,14 +167,14 @@ class Run:
         return now
 
     def _reach(self, now: Progress, target: float, interrupts: Interrupts) -> Progress:
-        adaptive, steps = self.how.stepper == "adaptive", 8
+        method, steps = METHODS[self.how.stepper], 8
         steady = self.how.steady_rate if self._may_settle() else None
         control = self.control._replace(
             steady_rate=np.float64(NEVER if steady is None else steady), bound=self.course.bound(self.done)
         )
         while float(now.t) < target and not interrupts.asked:
             began = clock.perf_counter()
-            now = advance(self.cell, control, now, np.float64(target), np.int64(steps), adaptive)
+            now = advance(self.cell, control, now, np.float64(target), np.int64(steps), method)
             now.t.block_until_ready()
             steps = int(np.clip(steps * CHUNK_SECONDS / (clock.perf_counter() - began), 1, 4096))
             try:
@@ -251,12 +260,13 @@ class Run:
 
 def default_dt(how: Settings, cell: System) -> float:
     """Return the step of a fixed stepper that was given none."""
-    if how.stepper != "rk4":
+    method = METHODS[how.stepper]
+    if method.exact:
         return 0.1
     stiffest = float(cell.values.d_s) * float(np.max(np.asarray(cell.space.k2))) + float(cell.values.d_r)
     # The local relaxation, about -2 alpha_p - alpha_u, adds to the stiffness of diffusion.
     local = 2 * float(np.max(cell.values.alpha_p)) + float(np.max(cell.values.alpha_u))
-    return min(0.1, 0.9 * RK4_STABILITY / (stiffest + local + 1e-12))
+    return min(0.1, 0.9 * method.stability / (stiffest + local + 1e-12))
 
 
 def _message(status: Status, t: float, how: Settings, sign: str, bound: float) -> str:
@@ -268,7 +278,8 @@ def _message(status: Status, t: float, how: Settings, sign: str, bound: float) -
         return f"Interrupted at t = {t:g}: what was saved until then is kept; resume to go on."
     if status is Status.UNDERRESOLVED:
         return f"Underresolved from t = {t:g}: {sign}; use more grid points, or dealias."
-    cure = "use a smaller dt or the adaptive stepper" if how.stepper != "adaptive" else "use more grid points"
+    adaptive = METHODS[how.stepper].adaptive
+    cure = "use more grid points" if adaptive else "use a smaller dt or the adaptive stepper"
     return (
         f"Diverged after t = {t:g}: |P| would pass {bound:g} or no step is small enough; "
         f"the last good state is kept; {cure}, or lower epsilon."

@@ -20,6 +20,7 @@ from .course import Course
 from .protocol import Protocol, Step
 from .run import Run, Snapshot
 from .settings import Settings
+from .steppers import METHODS
 from .trajectory import Status, Trajectory
 
 CHECKPOINT_SECONDS = 30.0
@@ -65,6 +66,15 @@ def simulate(
     for bad input; everything that happens later is a status of the `Trajectory`.
 
     Source: Woodhouse & Goldstein 2013; steppers see `cyclosis.dynamics.steppers`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(alpha_p=1.0, d_r=0.025), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.unidirectional(grid, 0.1), t_end=40.0, save_every=10.0)
+        >>> run.times
+        array([ 0., 10., 20., 30., 40.])
+        >>> run.records["order"].round(4)  # tends to (1 - d_r/α_p)^½
+        array([0.1   , 0.9874, 0.9874, 0.9874, 0.9874])
     """
     how = Settings(t_end=t_end, save_every=save_every, **_known(settings))
     P = grid.check_state(state, "the initial state", bounded=True)
@@ -99,6 +109,15 @@ def resume(
     Bitwise, that is, if the run stopped at one of the times that are saved on the way to the new end,
     or was interrupted. Returns the whole trajectory. `terms` are needed again if the user wrote some.
     Raises `InputError` for a run that has diverged or already reached `t_end`.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> whole = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=4.0)
+        >>> half = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0)
+        >>> bool(np.array_equal(cy.resume(half, t_end=4.0).final_state, whole.final_state))
+        True
     """
     end = run.settings.t_end if t_end is None else t_end
     how = dataclasses.replace(run.settings, t_end=end)
@@ -118,7 +137,8 @@ def resume(
 def _course(
     params: Parameters, grid: CylinderGrid, protocol: Protocol, terms: tuple[Term, ...], how: Settings
 ) -> Course:
-    return Course(params, grid, protocol, terms, how.dealias, how.precision, split=how.stepper != "rk4")
+    exact = METHODS[how.stepper].exact
+    return Course(params, grid, protocol, terms, how.dealias, how.precision, split=exact)
 
 
 def _protocol(given: Protocol | Iterable[Step] | None) -> Protocol:

@@ -16,6 +16,8 @@ method: the `rk4` stepper is the same code with every term taken as nonlinear.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import factorial
 from typing import Any, NamedTuple
 
@@ -24,9 +26,6 @@ import jax.numpy as jnp
 
 from ..model.spectral import dot
 from ..model.system import System
-
-RK4_STABILITY = 2.78
-"""Largest h |λ| on the negative real axis at which classical RK4 is stable."""
 
 
 class Tableau(NamedTuple):
@@ -96,3 +95,31 @@ def step(system: System, c: Tableau, t: Any, h: Any, Z: jax.Array, N1: jax.Array
     end = system.at(new, t + h)
     N5 = system.nonlinear(end)
     return Step(new, N5, c.w4 * (N4 - N5), jnp.max(dot(end.p, end.p)))
+
+
+@dataclass(frozen=True)
+class Method:
+    """A stepper: how a step is made, and how it is steered.
+
+    `tableau(linear, h)` gives the coefficients of a step, any tree of arrays, and
+    `step(system, coefficients, t, h, Z, N1)` the `Step`, with `evaluations` right-hand sides. `order` is that
+    of the method. An `adaptive` one chooses h by its error estimate, others take `dt`. `exact` says that
+    linear terms are kept apart from N; if not, `stability` is the largest h |λ| on the negative real axis,
+    which bounds the default of `dt`.
+    """
+
+    tableau: Callable[[jax.Array, Any], Any]
+    step: Callable[[System, Any, Any, Any, jax.Array, jax.Array], Step]
+    order: int
+    evaluations: int
+    adaptive: bool = False
+    exact: bool = True
+    stability: float = float("inf")
+
+
+METHODS = {
+    "adaptive": Method(tableau, step, order=4, evaluations=4, adaptive=True),
+    "etdrk4": Method(tableau, step, order=4, evaluations=4),
+    "rk4": Method(tableau, step, order=4, evaluations=4, exact=False, stability=2.78),
+}
+"""The steppers by name."""

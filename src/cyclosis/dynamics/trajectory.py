@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.notebook import map_of, text_tree, tree
 from ..model.filaments import Term
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
@@ -25,7 +26,13 @@ if TYPE_CHECKING:
 
 
 class Status(StrEnum):
-    """How a run ended."""
+    """How a run ended.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.Status.COMPLETED == "completed", cy.Status.COMPLETED.meaning
+        (True, 'the run reached t_end')
+    """
 
     COMPLETED = "completed"
     STEADY = "steady"
@@ -71,6 +78,17 @@ class Trajectory:
     `params_at(t)` those in force at a time. A frame or record at the time of a step is after it; the states
     just before and just after, wherever steps acted on the state, are the `interventions`. Everything is
     dimensionless.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0)
+        >>> run.ok, run.message, len(run.frames), run.frames[-1].shape
+        (True, 'Completed: reached t = 2.', 3, (2, 16, 16))
+        >>> run.params_at(1.0) == params
+        True
+        >>> dict(run.to_dataset()["P"].sizes)
+        {'time': 3, 'component': 2, 'theta': 16, 'z': 16}
     """
 
     params: Parameters
@@ -111,14 +129,25 @@ class Trajectory:
 
         return to_dataset(self)
 
+    def _branches(self) -> tuple[str, list[tuple[str, str]]]:
+        effort, began = self.effort, self.times[0] if self.times.size else 0
+        return f"Trajectory: {self.status} at t = {self.status_time:g}", [
+            ("grid", f"{self.grid.n_theta} x {self.grid.n_z}, length {self.grid.length:g}"),
+            (
+                "frames",
+                f"{len(self.frames)} fields, {self.record_times.size} records, "
+                f"t = {began:g} to {self.t_final:g}",
+            ),
+            (
+                "effort",
+                f"{effort.evaluations} right-hand sides, {effort.accepted} steps, "
+                f"{effort.rejected} rejected, {effort.wall_time:.2f} s",
+            ),
+            ("final", f"max |P| = {np.hypot(*self.final_state).max():.3f}"),
+        ]
+
     def __repr__(self) -> str:
-        last = f"{np.hypot(*self.final_state).max():.3f}"
-        return (
-            f"Trajectory: {self.status} at t = {self.status_time:g}\n"
-            f"├─ grid      {self.grid.n_theta} x {self.grid.n_z}, length {self.grid.length:g}\n"
-            f"├─ frames    {len(self.frames)} fields, {self.record_times.size} records, t = "
-            f"{self.times[0] if self.times.size else 0:g} to {self.t_final:g}\n"
-            f"├─ effort    {self.effort.evaluations} right-hand sides, {self.effort.accepted} steps, "
-            f"{self.effort.rejected} rejected, {self.effort.wall_time:.2f} s\n"
-            f"└─ final     max |P| = {last}"
-        )
+        return text_tree(*self._branches())
+
+    def _repr_html_(self) -> str:
+        return tree(*self._branches(), map_of(self.final_state, self.grid.length))

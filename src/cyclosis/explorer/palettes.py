@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..figures.colours import BLUE, GREEN, ORANGE, PURPLE, ZONE, Stops, diverging
+from ..display.colours import BLUE, GREEN, ORANGE, PURPLE, ZONE, Stops, diverging
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
+from ..display.colours import GREEN, PURPLE, diverging
+from ..display.colours import ZONE as ZONE
 from ..model.errors import InputError
 from ..model.grid import Array
-from .colours import GREEN, PURPLE, diverging
-from .colours import ZONE as ZONE
 
 POLARITY = LinearSegmentedColormap.from_list(
     "polarity", [(0.5 + 0.5 * value, colour) for value, colour in diverging(GREEN, PURPLE)], N=1024

@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from . import errors
+from .equation import TERM_NAMES as TERM_NAMES
 
 Kind = Literal["number", "whole", "flag", "choice", "text", "names", "numbers", "shape"]
 
@@ -168,16 +169,6 @@ PARAMETERS = (
     ),
 )
 
-TERM_NAMES = (
-    "advection",
-    "shear",
-    "bundling",
-    "flow_alignment",
-    "repulsion",
-    "diffusion",
-    "rotational_diffusion",
-)
-
 GRID = (
     Definition("n_theta", "n_θ", "grid points around the axis", 64, "whole", 8, 8192),
     Definition("n_z", "n_z", "grid points along the axis", 64, "whole", 8, 8192),
@@ -227,6 +218,9 @@ INITIAL = (
     ),
 )
 
+STEPPERS = ("adaptive", "etdrk4", "rk4")
+"""The time steppers, that with adaptive steps first; `dynamics.steppers.METHODS` says how each steps."""
+
 RUN = (
     Definition("t_end", "t", "time at which the run ends", 200.0, "number", 0.0, 1e9),
     Definition("save_every", "-", "time between saved fields", 1.0, "number", 1e-6, 1e9),
@@ -250,7 +244,7 @@ RUN = (
         1e9,
         optional=True,
     ),
-    Definition("stepper", "-", "time stepper", "adaptive", "choice", allowed=("adaptive", "etdrk4", "rk4")),
+    Definition("stepper", "-", "time stepper", STEPPERS[0], "choice", allowed=STEPPERS),
     Definition(
         "rtol", "-", "relative error allowed in a step of the adaptive stepper", 1e-4, "number", 1e-13, 1e-1
     ),

@@ -14,6 +14,18 @@ class InputError(ValueError):
 
     The message is one sentence naming the field, the value found, the rule and the remedy; the four
     parts are also attributes.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.Parameters(alpha_p=-1.0)
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: alpha_p = -1.0 cannot be used: ...
+        >>> try:
+        ...     cy.CylinderGrid(n_theta=4)
+        ... except cy.InputError as error:
+        ...     print(error.field, error.value, error.rule)
+        n_theta 4 a whole number from 8 to 8192
     """
 
     def __init__(self, field: str, value: Any, rule: str, remedy: str) -> None:

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
+from .equation import EQUATION, TermKind
 from .errors import InputError
 from .moment import Moment
 from .spectral import dot, pack, unpack
@@ -29,11 +30,23 @@ class Term:
     multiplier in Fourier space; these take a `Moment`. A `custom` term is the user's
     `function(t, P, u, params, grid)` with P, u and its result of shape (2, n_theta, n_z), traceable by
     JAX; `params` holds the values of `Parameters` by name and `grid` the points on which P is given.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> [term.name for term in cy.TERMS if term.kind == "torque"]
+        ['shear', 'bundling', 'flow_alignment', 'repulsion']
+        >>> import jax.numpy as jnp
+        >>> def field(t, P, u, params, grid):  # turns all filaments upwards: (I - PP)·0.1 e_z
+        ...     return 0.1 * jnp.stack([-P[0] * P[1], 1 - P[1] ** 2])
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> state = cy.initial.unidirectional(grid, 0.5)
+        >>> cy.rate_of_change(cy.Parameters(), grid, state, terms=[field])[:, 0, 0].round(6)
+        array([0.   , 0.075])
     """
 
     name: str
     formula: str
-    kind: Literal["torque", "rate", "linear", "custom"]
+    kind: TermKind
     function: Callable[..., Any]
 
 
@@ -74,15 +87,7 @@ def rotational_diffusion(now: Moment) -> jax.Array:
     return -now.values.d_r * jnp.ones_like(now.space.k2)
 
 
-TERMS = (
-    Term("advection", "-ε (u·∇)P", "rate", advection),
-    Term("shear", "(I - PP)·ε (P·∇)u", "torque", shear),
-    Term("bundling", "(I - PP)·α_p P", "torque", bundling),
-    Term("flow_alignment", "(I - PP)·α_u u", "torque", flow_alignment),
-    Term("repulsion", "-(I - PP)·κ (P·d) d", "torque", repulsion),
-    Term("diffusion", "d_s ∇²P", "linear", diffusion),
-    Term("rotational_diffusion", "-d_r P", "linear", rotational_diffusion),
-)
+TERMS = tuple(Term(item.name, item.formula, item.kind, globals()[item.name]) for item in EQUATION)
 
 TermLike = str | Term | Callable[..., Any]
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.notebook import cylinder, tree
 from .definitions import GRID
 from .errors import InputError
 
@@ -21,6 +22,18 @@ class CylinderGrid:
     theta_i = 2π i / n_theta and z_j = length j / n_z, periodic in both. Fields have shape
     (n_theta, n_z), vector fields (2, n_theta, n_z) with components (theta, z). Dimensionless: lengths
     are in radii. Raises `InputError` for sizes outside `cyclosis.model.definitions.GRID`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(n_theta=16, n_z=8, length=5.0)
+        >>> grid.shape, grid.theta.shape, grid.z[:3]
+        ((16, 8), (16,), array([0.   , 0.625, 1.25 ]))
+        >>> grid.m[:3], grid.m[-2:]
+        (array([0., 1., 2.]), array([-2., -1.]))
+        >>> round(float(grid.q[1] * grid.length), 6)  # 2π: one wave along the cell
+        6.283185
+        >>> grid.resized(32, 16).shape
+        (32, 16)
     """
 
     n_theta: int = GRID[0].default
@@ -56,6 +69,14 @@ class CylinderGrid:
         """Axial wavenumbers 2π j / length in transform order, shape (n_z,)."""
         return _mode_numbers(self.n_z) * (2 * np.pi / self.length)
 
+    def _repr_html_(self) -> str:
+        rows = [
+            ("points", f"{self.n_theta} around x {self.n_z} along"),
+            ("length", f"{self.length:g} radii"),
+            ("spacing", f"{2 * np.pi / self.n_theta:.3g} x {self.length / self.n_z:.3g} radii"),
+        ]
+        return tree("CylinderGrid", rows, cylinder(self.length))
+
     def resized(self, n_theta: int, n_z: int) -> CylinderGrid:
         """Return a grid on the same cylinder with other numbers of points."""
         return CylinderGrid(n_theta, n_z, self.length)
@@ -64,6 +85,14 @@ class CylinderGrid:
         """Return `state` as a float64 array (2, n_theta, n_z), or raise `InputError`.
 
         With `bounded`, a state with |P| > 1 anywhere is refused: P is the mean of unit vectors.
+
+        Example:
+            >>> import numpy as np
+            >>> import cyclosis as cy
+            >>> cy.CylinderGrid(16, 16).check_state(np.ones((2, 16, 16)), bounded=True)
+            Traceback (most recent call last):
+                ...
+            cyclosis.model.errors.InputError: max |P| of state = 1.41421 cannot be used: ...
         """
         expected = (2, *self.shape)
         rule = f"an array of real numbers of shape {expected} (component, theta, z)"
@@ -93,6 +122,14 @@ def interpolate(values: npt.ArrayLike, shape: tuple[int, int]) -> Array:
     Trigonometric interpolation: modes that both grids resolve are kept exactly, all others (among them
     the Nyquist modes of either grid, whose sign is ambiguous) are dropped. The result has `shape` as
     its last two dimensions. Onto the same shape it is an exact copy.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> coarse, fine = cy.CylinderGrid(16, 16), cy.CylinderGrid(32, 32)
+        >>> a, b = (np.cos(3 * grid.theta)[:, None] * np.ones(grid.n_z) for grid in (coarse, fine))
+        >>> bool(np.allclose(cy.interpolate(a, fine.shape), b))
+        True
     """
     field = np.asarray(values, dtype=np.float64)
     if field.shape[-2:] == tuple(shape):

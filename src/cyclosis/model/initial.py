@@ -24,6 +24,12 @@ def noise(
     `numpy.random.default_rng(seed).normal(size=(2, n_theta, n_z))` on `noise_grid` (default: the
     grid itself) and interpolated spectrally where the two differ, so that one seed means one state on
     every grid. Source: Woodhouse & Goldstein 2013, Materials and Methods.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(64, 64)
+        >>> float(cy.initial.noise(grid, filaments_per_square=200).var().round(4))  # 1/(2N)
+        0.0025
     """
     N = definition("initial", "filaments_per_square").check(filaments_per_square)
     seed = definition("initial", "seed").check(seed)
@@ -35,7 +41,15 @@ def noise(
 def standard_noise(
     grid: CylinderGrid, rng: np.random.Generator, noise_grid: tuple[int, int] | None = None
 ) -> Array:
-    """Return independent normal numbers of variance 1 at every point of `noise_grid`, see `noise`."""
+    """Return independent normal numbers of variance 1 at every point of `noise_grid`, see `noise`.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> drawn = cy.initial.standard_noise(cy.CylinderGrid(64, 64), np.random.default_rng(0))
+        >>> drawn.shape, float(drawn.std().round(2))
+        ((2, 64, 64), 1.0)
+    """
     return interpolate(rng.normal(size=(2, *(noise_grid or grid.shape))), grid.shape)
 
 
@@ -45,7 +59,15 @@ def disordered(
     seed: int = 0,
     noise_grid: tuple[int, int] | None = None,
 ) -> Array:
-    """Return total filament disorder: `noise` alone. Raises `InputError` where |P| > 1."""
+    """Return total filament disorder: `noise` alone. Raises `InputError` where |P| > 1.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(32, 32)
+        >>> state = cy.initial.disordered(grid, filaments_per_square=1000, seed=0)
+        >>> round(cy.diagnose(cy.Parameters(), grid, state)["order"], 2)  # N^(-1/2)
+        0.03
+    """
     return with_noise(np.zeros((2, *grid.shape)), grid, filaments_per_square, seed, noise_grid)
 
 
@@ -56,25 +78,65 @@ def with_noise(
     seed: int = 0,
     noise_grid: tuple[int, int] | None = None,
 ) -> Array:
-    """Return a state with `noise` added. Raises `InputError` where |P| > 1 then."""
+    """Return a state with `noise` added. Raises `InputError` where |P| > 1 then.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> state = cy.initial.with_noise(cy.initial.stripes(grid, magnitude=0.5), grid, seed=1)
+        >>> bool(np.allclose(state - cy.initial.noise(grid, seed=1), cy.initial.stripes(grid, magnitude=0.5)))
+        True
+    """
     noisy = grid.check_state(state) + noise(grid, filaments_per_square, seed, noise_grid)
     return grid.check_state(noisy, "the initial state", bounded=True)
 
 
 def unidirectional(grid: CylinderGrid, magnitude: float = 0.9) -> Array:
-    """Return P = `magnitude` e_z everywhere (the steady state has P0² = 1 - d_r/alpha_p)."""
+    """Return P = `magnitude` e_z everywhere (the steady state has P0² = 1 - d_r/alpha_p).
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(alpha_p=1.0, d_r=0.025), cy.CylinderGrid(16, 16)
+        >>> state = cy.initial.unidirectional(grid, magnitude=np.sqrt(1 - 0.025 / 1.0))
+        >>> bool(np.abs(cy.rate_of_change(params, grid, state)).max() < 1e-12)
+        True
+    """
     state = np.zeros((2, *grid.shape))
     state[1] = definition("initial", "magnitude").check(magnitude)
     return state
 
 
 def circumferential(grid: CylinderGrid, magnitude: float = 0.9) -> Array:
-    """Return P = `magnitude` e_theta everywhere."""
+    """Return P = `magnitude` e_theta everywhere.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> state = cy.initial.circumferential(grid, magnitude=0.8)
+        >>> cy.regime(cy.Parameters(), grid, state).name
+        'circumferential'
+        >>> cy.flow(cy.Parameters(), grid, state)[:, 0, 0].round(3)  # |P|²P: nothing holds this flow back
+        array([0.512, 0.   ])
+    """
     return unidirectional(grid, magnitude)[::-1].copy()
 
 
 def stripes(grid: CylinderGrid, count: int = 2, magnitude: float = 0.9) -> Array:
-    """Return `count` stripes of equal width along the cell: P_z = magnitude sin(count theta / 2)."""
+    """Return `count` stripes of equal width along the cell: P_z = magnitude sin(count theta / 2).
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> state = cy.initial.stripes(grid, count=4)
+        >>> cy.regime(cy.Parameters(), grid, state).name
+        'multistripe'
+        >>> cy.initial.stripes(grid, count=3)
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: stripes = 3 cannot be used: ...
+    """
     number = definition("initial", "stripes").check(count)
     if number % 2:
         raise InputError("stripes", count, "an even number", "stripes alternate around the cell")
@@ -90,6 +152,12 @@ def fitted(grid: CylinderGrid, state: Any) -> Array:
     """Return a state given on any grid of the same cylinder, interpolated onto `grid`.
 
     Raises `InputError` for an array that is no state, or with |P| > 1.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> coarse, fine = cy.CylinderGrid(16, 16), cy.CylinderGrid(32, 48)
+        >>> cy.initial.fitted(fine, cy.initial.stripes(coarse)).shape
+        (2, 32, 48)
     """
     array = np.asarray(state)
     if array.ndim != 3 or array.shape[0] != 2 or min(array.shape[1:]) < 8:
@@ -111,6 +179,15 @@ def from_file(path: str, grid: CylinderGrid, frame: int = -1) -> Array:
     Reads variable `P` of a NetCDF file (time, component, theta, z), taking `frame`, or a NumPy file
     `.npy` with one array (2, n_theta, n_z). Raises `InputError` for a file that is neither, or has no
     such frame.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> coarse, fine = cy.CylinderGrid(16, 16), cy.CylinderGrid(32, 32)
+        >>> np.save("state.npy", cy.initial.stripes(coarse))
+        >>> state = cy.initial.from_file("state.npy", fine)
+        >>> bool(np.allclose(state, cy.initial.stripes(fine)))
+        True
     """
     try:
         if str(path).endswith(".npy"):

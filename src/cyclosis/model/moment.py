@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from . import hydrodynamics
+from .definitions import PARAMETERS
 from .grid import CylinderGrid
 from .hydrodynamics import FlowOperator
 from .spectral import Space
 
 
-class Values(NamedTuple):
-    """The values of `Parameters` as arrays: numbers of shape (), fields on the product grid.
+def _fields() -> Any:
+    return namedtuple("Values", [*(item.name for item in PARAMETERS), "kappa_mirror"])
+
+
+_Fields: Any = _fields()
+
+
+class Values(_Fields):  # type: ignore[misc]
+    """The values of `Parameters` by name as arrays: numbers of shape (), fields on the product grid.
 
     `kappa_mirror` is κ e^{2iφ}, the packed form of the repulsion's second part.
     """
 
-    alpha_p: Any
-    alpha_u: Any
-    epsilon: Any
-    d_s: Any
-    d_r: Any
-    kappa: Any
-    mu: Any
-    repulsion_angle: Any
-    zero_theta_flux: Any
-    force_exponent: Any
-    kappa_mirror: Any
+    __slots__ = ()
 
 
 class Moment:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.notebook import alignments, tree
 from .definitions import PARAMETERS, defaults, definition
 from .errors import InputError
 
@@ -29,6 +30,15 @@ class Parameters:
     defaults are those of Woodhouse & Goldstein, PNAS 110 (2013), Fig. 4. Each may be a number;
     `alpha_p`, `alpha_u`, `kappa` and `repulsion_angle` may also be an array (n_theta, n_z).
     Ranges are in `cyclosis.model.definitions`; anything outside raises `InputError`.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.3)
+        >>> params.alpha_p, params.alpha_u, params.shape
+        (0.3, 0.5, None)
+        >>> cy.Parameters(kappa=np.full((16, 16), 0.2)).shape
+        (16, 16)
     """
 
     alpha_p: Coupling = _DEFAULT["alpha_p"]
@@ -55,11 +65,23 @@ class Parameters:
             raise InputError("fields", sorted(shapes), "given on one grid", "give all of them one shape")
 
     def items(self) -> Iterator[tuple[str, Any]]:
-        """Iterate over (name, value) in the order of definition."""
+        """Iterate over (name, value) in the order of definition.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> dict(cy.Parameters().items())["d_s"]
+            0.025
+        """
         return ((item.name, getattr(self, item.name)) for item in fields(self))
 
     def replace(self, **changes: Any) -> Parameters:
-        """Return a copy with some values changed (the same checks apply)."""
+        """Return a copy with some values changed (the same checks apply).
+
+        Example:
+            >>> import cyclosis as cy
+            >>> cy.Parameters().replace(alpha_u=0.1) == cy.Parameters(alpha_u=0.1)
+            True
+        """
         unknown = set(changes) - {item.name for item in fields(self)}
         if unknown:
             raise InputError("parameter", min(unknown), "one of " + ", ".join(_DEFAULT), "check the spelling")
@@ -71,7 +93,16 @@ class Parameters:
         return next((v.shape for _, v in self.items() if isinstance(v, np.ndarray)), None)
 
     def require_shape(self, shape: tuple[int, int]) -> None:
-        """Raise `InputError` unless the field-valued parameters have the shape of a grid."""
+        """Raise `InputError` unless the field-valued parameters have the shape of a grid.
+
+        Example:
+            >>> import numpy as np
+            >>> import cyclosis as cy
+            >>> cy.Parameters(alpha_u=np.zeros((16, 16))).require_shape((32, 32))
+            Traceback (most recent call last):
+                ...
+            cyclosis.model.errors.InputError: shape of the parameter fields = (16, 16) cannot be used: ...
+        """
         if self.shape not in (None, shape):
             raise InputError(
                 "shape of the parameter fields",
@@ -87,6 +118,17 @@ class Parameters:
 
     def __hash__(self) -> int:
         return hash(tuple(v.tobytes() if isinstance(v, np.ndarray) else v for _, v in self.items()))
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                item.symbol if item.symbol != "-" else item.name,
+                f"{_text(getattr(self, item.name))}  {item.meaning}",
+            )
+            for item in PARAMETERS
+        ]
+        place = alignments(*(float(np.mean(value)) for value in (self.alpha_p, self.alpha_u)))
+        return tree("Parameters", rows, place)
 
     def __repr__(self) -> str:
         return "Parameters(" + ", ".join(f"{name}={_text(value)}" for name, value in self.items()) + ")"

@@ -26,6 +26,12 @@ class PhysicalParameters:
     `bundling_per_s` is A_p, `flow_alignment_per_um` A_u, `repulsion_per_s` K,
     `spatial_diffusion_um2_per_s` D_s, `rotational_diffusion_per_s` D_r, `layer_viscosity_Pa_s_m` the
     two-dimensional μ. The last four have no unit and mean what they mean in `Parameters`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cell = cy.Scales(radius_um=500.0, speed_um_per_s=100.0).to_physical(cy.Parameters())
+        >>> cell.bundling_per_s, cell.spatial_diffusion_um2_per_s, cell.epsilon
+        (0.2, 1250.0, 0.1)
     """
 
     bundling_per_s: Coupling
@@ -46,6 +52,16 @@ class Scales:
 
     All must be positive and finite, else `InputError`. In *Chara* R is 500 µm and streaming runs at 50
     to 100 µm/s.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> chara = cy.Scales(radius_um=500.0, speed_um_per_s=100.0, friction_Pa_s_per_m=2e4)
+        >>> chara.time_s, round(chara.force_Pa, 6), f"{chara.pressure_Pa_m:.0e}"
+        (5.0, 2.0, '1e-03')
+        >>> chara.seconds(200.0), chara.micrometres(5.0), chara.micrometres_per_second(0.5)
+        (1000.0, 2500.0, 50.0)
+        >>> chara.dimensionless_time(60.0), chara.dimensionless_length(250.0), chara.dimensionless_speed(50.0)
+        (12.0, 0.5, 0.5)
     """
 
     radius_um: float = 500.0
@@ -70,6 +86,12 @@ class Scales:
 
         ν = 3 η/h with one no-slip wall, 12 η/h with two. With μ = η h this makes μ* = h²/(3 R²) or
         h²/(12 R²): see `layer_mu`.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> layer = cy.Scales.from_layer(500.0, 100.0, viscosity_Pa_s=0.01, thickness_um=10.0)
+            >>> round(layer.friction_Pa_s_per_m), round(layer.force_Pa, 6)
+            (3000, 0.3)
         """
         friction = _wall_factor(no_slip_walls) * _positive("viscosity_Pa_s", viscosity_Pa_s)
         return cls(radius_um, speed_um_per_s, friction / (_positive("thickness_um", thickness_um) * 1e-6))
@@ -82,7 +104,14 @@ class Scales:
         friction_Pa_s_per_m: float = 1.0,
         peak_speed: float = PEAK_SPEED,
     ) -> Scales:
-        """Return the scales that turn a computed `peak_speed` (units of U) into the one measured."""
+        """Return the scales that turn a computed `peak_speed` (units of U) into the one measured.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> scales = cy.Scales.from_peak_speed(500.0, peak_speed_um_per_s=80.0)
+            >>> round(scales.speed_um_per_s, 2), round(scales.micrometres_per_second(0.9714276568), 6)
+            (82.35, 80.0)
+        """
         measured = _positive("peak_speed_um_per_s", peak_speed_um_per_s)
         return cls(radius_um, measured / _positive("peak_speed", peak_speed), friction_Pa_s_per_m)
 
@@ -106,7 +135,14 @@ class Scales:
         return self.friction_Pa_s_per_m * (self.radius_um * 1e-6) ** 2
 
     def to_physical(self, params: Parameters) -> PhysicalParameters:
-        """Return dimensionless parameters in physical units."""
+        """Return dimensionless parameters in physical units.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> cell = cy.Scales(500.0, 100.0).to_physical(cy.Parameters(d_r=0.025))
+            >>> round(cell.rotational_diffusion_per_s, 6), round(cell.flow_alignment_per_um, 6)
+            (0.005, 0.001)
+        """
         return PhysicalParameters(
             bundling_per_s=params.alpha_p / self.time_s,
             flow_alignment_per_um=params.alpha_u / self.radius_um,
@@ -121,7 +157,16 @@ class Scales:
         )
 
     def from_physical(self, physical: PhysicalParameters) -> Parameters:
-        """Return the dimensionless `Parameters` of a cell; `to_physical` undoes it to rounding."""
+        """Return the dimensionless `Parameters` of a cell; `to_physical` undoes it to rounding.
+
+        Example:
+            >>> from dataclasses import replace
+            >>> import cyclosis as cy
+            >>> scales = cy.Scales(500.0, 100.0)
+            >>> cell = replace(scales.to_physical(cy.Parameters()), rotational_diffusion_per_s=0.01)
+            >>> round(scales.from_physical(cell).d_r, 6)
+            0.05
+        """
         return Parameters(
             alpha_p=physical.bundling_per_s * self.time_s,
             alpha_u=physical.flow_alignment_per_um * self.radius_um,
@@ -164,6 +209,11 @@ def layer_mu(thickness_to_radius: float, no_slip_walls: int = 1) -> float:
     """Return μ* = (h/R)²/3 (one no-slip wall) or (h/R)²/12 (two) of a layer of thickness h.
 
     The paper's μ* = 0.05 means h/R = 0.39 or 0.77: a representative value, not literally a thin layer.
+
+    Example:
+        >>> from cyclosis.model.scales import layer_mu
+        >>> round(layer_mu(0.39), 2), round(layer_mu(0.77, no_slip_walls=2), 2)
+        (0.05, 0.05)
     """
     return _positive("thickness_to_radius", thickness_to_radius) ** 2 / _wall_factor(no_slip_walls)
 

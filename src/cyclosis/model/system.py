@@ -212,6 +212,16 @@ def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: 
 
     Raises `InputError` if state or parameter fields do not match the grid. Source: Woodhouse &
     Goldstein 2013.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> P = cy.initial.stripes(grid, magnitude=1.0)  # F_z = sin³θ = (3 sin θ - sin 3θ)/4
+        >>> expected = 0.75 * np.sin(grid.theta) / 1.05 - 0.25 * np.sin(3 * grid.theta) / 1.45
+        >>> u = cy.flow(cy.Parameters(mu=0.05), grid, P)
+        >>> bool(np.allclose(u[1], expected[:, None])), bool(np.allclose(u[0], 0.0))
+        (True, True)
     """
     P = grid.check_state(state)
     cell = system(params, grid, dealias=dealias)
@@ -231,6 +241,17 @@ def rate_of_change(
 
     The same right-hand side that `simulate` integrates; `terms` selects from it (see `Term`). Raises
     `InputError` if state or parameter fields do not match the grid.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(alpha_p=1.0, d_r=0.025), cy.CylinderGrid(16, 16)
+        >>> weak = cy.initial.unidirectional(grid, 1e-6)
+        >>> rate = cy.rate_of_change(params, grid, weak)
+        >>> round(float(rate[1, 0, 0] / 1e-6), 6)  # α_p - d_r, how fast order grows out of disorder
+        0.975
+        >>> only = cy.rate_of_change(params, grid, weak, terms=["bundling"])
+        >>> round(float(only[1, 0, 0] / 1e-6), 6)
+        1.0
     """
     P = grid.check_state(state)
     cell = system(params, grid, terms, dealias)

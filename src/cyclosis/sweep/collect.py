@@ -29,6 +29,19 @@ def open_sweep(path: str | os.PathLike[str], variables: Iterable[str] | None = N
     read, and checked again, only when they are used. `path` may also be what `export` has written, `.nc` or
     `.zarr`. Raises `InputError` if there is no store, a name is not one of its variables, or a block is
     damaged.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> path = Store.create("opened", sweep).write(0, compute(sweep, 0))
+        >>> data = cy.open_sweep("opened", ["regime"])
+        >>> dict(data.sizes), data.attrs["members_missing"]
+        ({'alpha_p': 1, 'seed': 2}, 0)
+        >>> [cy.REGIMES[code] for code in data["regime"].values.flat]  # α_p < d_r
+        ['disordered', 'disordered']
     """
     if os.fspath(path).endswith((".nc", ".zarr")):
         return _exported(Path(path), variables)

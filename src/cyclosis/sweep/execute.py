@@ -65,6 +65,16 @@ def run_sweep(
     set aside in the store with the reason, where it stays until `repair`. Ctrl-C and SIGTERM stop with status
     "interrupted". Whatever stops it, the same call goes on; several may work on one store at once. Raises
     `InputError` if the store holds another sweep or cannot be made.
+
+    Example:
+        >>> import dask.distributed
+        >>> import cyclosis as cy
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01, 0.02]}}, "ensemble": {"seeds": 2}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> with dask.distributed.Client(processes=False, threads_per_worker=1, dashboard_address=None) as client:
+        ...     summary = cy.run_sweep(sweep, "weak", client)
+        >>> summary.ok, summary.done, summary.regimes
+        (True, 4, {'disordered': 4})
     """
     return _complete(Store.create(store, sweep), client, workers, progress, compute)
 
@@ -80,6 +90,17 @@ def repair(
     """Discard the blocks of a store that are not as they were written, and compute all that it lacks.
 
     Blocks that were set aside are tried again. Arguments and result are those of `run_sweep`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.execute import repair
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> path = Store.create("whole", sweep).write(0, compute(sweep, 0))
+        >>> repair("whole").status  # nothing to do, so that no worker starts
+        'complete'
     """
     kept = Store(store)
     for index in {index for index, _ in kept.verify()} & kept.present() | kept.failed().keys():

@@ -48,6 +48,17 @@ def export(
     left out. `variables` names those to export. The target appears whole or not at all.
     Raises `InputError` for another suffix, a target that stands (unless `force`), damaged blocks, unknown
     variables, and if it cannot be written.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.export import export
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> path = Store.create("exported", sweep).write(0, compute(sweep, 0))
+        >>> print(*export("exported", "exported.csv", variables=["regime"]).read_text().split())
+        member,alpha_p,seed,regime 0,0.01,0,disordered 1,0.01,1,disordered
     """
     source = store if isinstance(store, Store) else Store(store)
     place = Path(os.path.abspath(target))

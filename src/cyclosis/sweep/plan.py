@@ -31,7 +31,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Block:
-    """The members that are computed and stored together: their numbers in the sweep."""
+    """The members that are computed and stored together: their numbers in the sweep.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> tables = {"axes": {"alpha_p": {"values": [0.3, 1.0]}}, "ensemble": {"seeds": 5, "block": 4}}
+        >>> cy.Sweep.from_tables(tables).block(1)
+        Block(index=1, members=range(4, 8))
+    """
 
     index: int
     members: range
@@ -45,6 +52,21 @@ class Sweep:
     point. Make one with `from_toml` or `from_tables`; `tables` is then the complete configuration (plain, fit
     for JSON) and `axes` the values by name. Two sweeps are equal if everything that decides their results
     and their blocks is. Members and blocks are made when asked for, so that a sweep of any size is small.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> axes = {"alpha_p": {"values": [0.3, 1.0]}, "alpha_u": {"start": 0.0, "stop": 0.5, "count": 6}}
+        >>> sweep = cy.Sweep.from_tables({"axes": axes, "ensemble": {"seeds": 5, "block": 10}})
+        >>> sweep
+        Sweep(alpha_p 2 x alpha_u 6 x seed 5: 60 members in 6 blocks)
+        >>> sweep.shape, sweep.members, sweep.blocks, sweep.block_size, sweep.seeds
+        ((2, 6, 5), 60, 6, 10, range(0, 5))
+        >>> sweep.axes["alpha_u"], sweep.settings.finish
+        ((0.0, 0.1, 0.2, 0.3, 0.4, 0.5), 'certified')
+        >>> [item.name for item in sweep.variables][:4], sweep.sizes["component"]
+        (['regime', 'status', 't_final', 't_order'], 2)
+        >>> len(sweep.digest), len(sweep.protocol), sweep.fields, sweep.record
+        (64, 0, False, ())
     """
 
     tables: Tables
@@ -52,7 +74,17 @@ class Sweep:
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Sweep:
-        """Return the sweep that a configuration file describes. Raises `InputError` for any mistake in it."""
+        """Return the sweep that a configuration file describes. Raises `InputError` for any mistake in it.
+
+        Example:
+            >>> from pathlib import Path
+            >>> import tomli_w
+            >>> import cyclosis as cy
+            >>> tables = {"axes": {"alpha_p": {"values": [0.3, 1.0]}}, "ensemble": {"seeds": 5}}
+            >>> written = Path("sweep.toml").write_text(tomli_w.dumps(tables))
+            >>> cy.Sweep.from_toml("sweep.toml").members
+            10
+        """
         return cls.from_tables(config.load(str(path)))
 
     @classmethod
@@ -60,6 +92,12 @@ class Sweep:
         """Return the sweep of a configuration given as tables. Raises `InputError` for any mistake in it.
 
         Without `files` the file of an initial state is looked at only when a member is built.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> axes = {"alpha_p": {"start": 0.01, "stop": 1.0, "count": 3, "spacing": "log"}}
+            >>> cy.Sweep.from_tables({"axes": axes, "ensemble": {"seeds": 2}}).axes
+            {'alpha_p': (0.01, 0.1, 1.0)}
         """
         whole_tables = completed(tables, files)
         return cls(whole_tables, {name: axes.values(table) for name, table in whole_tables["axes"].items()})
@@ -91,7 +129,14 @@ class Sweep:
         return -(-self.members // self.block_size)
 
     def block(self, index: int) -> Block:
-        """Return one block. Raises `InputError` for an index that none has."""
+        """Return one block. Raises `InputError` for an index that none has.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> tables = {"axes": {"alpha_p": {"values": [0.3, 1.0]}}, "ensemble": {"seeds": 5, "block": 4}}
+            >>> cy.Sweep.from_tables(tables).block(2).members
+            range(8, 10)
+        """
         index = whole("block", index, 0, self.blocks - 1, "choose another")
         first = index * self.block_size
         return Block(index, range(first, min(first + self.block_size, self.members)))
@@ -100,6 +145,12 @@ class Sweep:
         """Return where a member stands: the value on every axis, and its seed.
 
         Raises `InputError` for a number that no member has.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> tables = {"axes": {"alpha_p": {"values": [0.3, 1.0]}}, "ensemble": {"seeds": 5}}
+            >>> cy.Sweep.from_tables(tables).member(7)  # the third seed at the second point
+            ({'alpha_p': 1.0}, 2)
         """
         number = whole("member", number, 0, self.members - 1, "choose another")
         *place, seed = np.unravel_index(number, self.shape)
@@ -111,6 +162,15 @@ class Sweep:
 
         Raises `InputError` for a number that no member has; the function that makes the state raises it for
         noise that makes |P| > 1, and for a file that is no longer as it was when the sweep was planned.
+
+        Example:
+            >>> import numpy as np
+            >>> import cyclosis as cy
+            >>> tables = {"axes": {"alpha_p": {"values": [0.3, 1.0]}}, "ensemble": {"seeds": 5}}
+            >>> sweep = cy.Sweep.from_tables(tables)
+            >>> one, other = sweep.build(2), sweep.build(7)  # one seed, two points
+            >>> one.params.alpha_p, other.params.alpha_p, bool(np.array_equal(one.state(), other.state()))
+            (0.3, 1.0, True)
         """
         from ..ensemble import Member
 

@@ -11,14 +11,9 @@ them may die at any moment. Files are written under a temporary name, synced and
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import platform
 import re
-import secrets
-import socket
-import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
@@ -33,17 +28,15 @@ from ..dataset.netcdf import sync_folder, unwritable
 from ..model.errors import InputError
 from ..version import __version__
 from .configuration import differences
+from .durable import STALE_SECONDS as STALE_SECONDS
+from .durable import files, is_stale, make_folder, read_json, write, write_json
 from .packed import SCHEMA, Arrays, Damaged, pack, unpack
 from .plan import Sweep
 
 BLOCKS, FAILED, SWEEP = "blocks", "failed", "sweep.json"
 MISSING = "missing"
 """What `Store.fault` says of a block that does not stand."""
-STALE_SECONDS = 3600.0
-"""Age at which a temporary file is certainly that of a writer that was killed."""
-
 _NAME = re.compile(r"(\d{9})\.(?:nc|json)")
-_TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)\.[0-9a-f]+\.new")
 
 
 class Store:
@@ -51,11 +44,33 @@ class Store:
 
     Its files are checked whenever they are read. Raises `InputError` if there is no store at `path`, or
     its description was altered.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2, "block": 1}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> store = Store.create("store", sweep)
+        >>> store.write(0, compute(sweep, 0)) == store.path_of(0)
+        True
+        >>> store.present(), store.missing(), store.has(0), store.fault(0)
+        ({0}, [1], True, '')
+        >>> int(store.read(0, ["regime"])["regime"][0])  # an index into cyclosis.REGIMES
+        0
+        >>> store.verify()
+        [(1, 'missing')]
+        >>> store.set_aside(1, "out of memory")
+        >>> store.failed()
+        {1: 'out of memory'}
+        >>> store.discard(0)
+        >>> store.present(), store.clean(), store.digest == sweep.digest == store.sweep.digest
+        (set(), 0, True)
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(os.path.abspath(path))
-        self.about = _read_json(self.path / SWEEP)
+        self.about = read_json(self.path / SWEEP)
         if self.about.get("schema") != SCHEMA:
             rule = f"{SCHEMA}, the layout that this version reads"
             remedy = "use the version that wrote it"
@@ -72,10 +87,10 @@ class Store:
         if not (folder / SWEEP).exists():
             _refuse_others(folder, sweep)
             try:
-                folder.mkdir(parents=True, exist_ok=True)
+                make_folder(folder)
             except OSError as error:
                 raise unwritable(folder, error) from error
-            _write_json(folder / SWEEP, _description(sweep))
+            write_json(folder / SWEEP, _description(sweep))
         store = cls(folder)
         store.require(sweep)
         return store
@@ -96,7 +111,18 @@ class Store:
         return str(self.about["digest"])
 
     def require(self, sweep: Sweep) -> None:
-        """Raise `InputError`, saying where they differ, unless `sweep` is the one that is stored here."""
+        """Raise `InputError`, saying where they differ, unless `sweep` is the one that is stored here.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> from cyclosis.sweep.store import Store
+            >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2}}
+            >>> store = Store.create("required", cy.Sweep.from_tables(tables))
+            >>> store.require(cy.Sweep.from_tables(tables | {"ensemble": {"seeds": 3}}))
+            Traceback (most recent call last):
+                ...
+            cyclosis.model.errors.InputError: configuration = 'digest e641c3cdbad0' cannot be used: ...
+        """
         if sweep.digest != self.digest:
             found = differences(self.about["configuration"], sweep.tables) or ["the meaning of a key differs"]
             more = f" and {len(found) - 6} more" if len(found) > 6 else ""
@@ -115,7 +141,7 @@ class Store:
         """
         data = pack(self.sweep, index, arrays)
         target = self.path_of(index)
-        _write(target, data)
+        write(target, data)
         with suppress(OSError):  # where the block stands, what is said of its failure counts no more
             self._failed(index).unlink(missing_ok=True)
         return target
@@ -181,14 +207,14 @@ class Store:
 
     def set_aside(self, index: int, reason: str) -> None:
         """Write down that a block could not be computed, and why. Raises `InputError` if that fails."""
-        _write_json(self._failed(index), {"block": index, "reason": reason})
+        write_json(self._failed(index), {"block": index, "reason": reason})
 
     def failed(self) -> dict[int, str]:
         """Return the blocks that were set aside and do not stand, with the reasons."""
         out = {}
         for index in sorted(self._indices(self.path / FAILED, ".json") - self.present()):
             try:
-                out[index] = str(_read_json(self._failed(index)).get("reason"))
+                out[index] = str(read_json(self._failed(index)).get("reason"))
             except InputError:
                 out[index] = "the reason cannot be read"
         return out
@@ -199,7 +225,7 @@ class Store:
         That is temporary files of processes of this machine that are no more, and any that are an hour old;
         those of living writers stay.
         """
-        stale = [path for path in self._temporaries() if _is_stale(path)]
+        stale = [path for path in self._temporaries() if is_stale(path)]
         for path in stale:
             path.unlink(missing_ok=True)
         return len(stale)
@@ -218,119 +244,15 @@ class Store:
         return self.path / FAILED / f"{index:09d}.json"
 
     def _indices(self, folder: Path, suffix: str) -> set[int]:
-        found = (_NAME.fullmatch(name) for name, _ in _files(folder) if name.endswith(suffix))
+        found = (_NAME.fullmatch(name) for name, _ in files(folder) if name.endswith(suffix))
         return {index for match in found if match and (index := int(match[1])) < self.sweep.blocks}
 
     def _temporaries(self) -> Iterator[Path]:
         for folder in (self.path / BLOCKS, self.path / FAILED):
-            for name, place in _files(folder):
+            for name, place in files(folder):
                 if name.endswith(".new"):
                     yield Path(place)
         yield from self.path.glob(".*.new")
-
-
-def _files(folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield name and path of every file in a folder and the folders in it."""
-    try:
-        with os.scandir(folder) as entries:
-            for entry in entries:
-                if entry.is_dir():
-                    yield from _files(Path(entry.path))
-                else:
-                    yield entry.name, entry.path
-    except FileNotFoundError:
-        return
-
-
-def _is_stale(path: Path) -> bool:
-    named = _TEMPORARY.fullmatch(path.name)
-    if named and named["host"] == _host() and not _alive(int(named["process"])):
-        return True
-    try:
-        return time.time() - path.stat().st_mtime > STALE_SECONDS
-    except OSError:
-        return False
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return True
-
-
-def _host() -> str:
-    return re.sub(r"[^A-Za-z0-9-]", "-", socket.gethostname()) or "-"
-
-
-def _write(target: Path, data: bytes) -> None:
-    """Write a file under a temporary name, sync it and rename it to `target`; folders are made if need be.
-
-    Raises `InputError` if that fails; then no part of a file is left.
-    """
-    partial = target.with_name(f".{target.name}.{_host()}.{os.getpid()}.{secrets.token_hex(4)}.new")
-    try:
-        _make_folder(target.parent)
-        try:
-            _write_synced(partial, data)
-            os.replace(partial, target)
-        finally:
-            partial.unlink(missing_ok=True)
-        sync_folder(target.parent)
-    except OSError as error:
-        raise unwritable(target, error) from error
-
-
-def _write_synced(path: Path, data: bytes) -> None:
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-    try:
-        rest = memoryview(data)
-        while rest:
-            rest = rest[os.write(handle, rest) :]
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
-def _make_folder(folder: Path) -> None:
-    """Make a folder of the store and those above it, durably."""
-    if not folder.is_dir():
-        _make_folder(folder.parent)
-        folder.mkdir(exist_ok=True)
-        sync_folder(folder.parent)
-
-
-def _write_json(target: Path, content: Mapping[str, Any]) -> None:
-    sealed = {**content, "sha256": _seal(content)}
-    _write(target, (json.dumps(sealed, indent=1) + "\n").encode())
-
-
-def _read_json(path: Path) -> dict[str, Any]:
-    """Return what `_write_json` wrote. Raises `InputError` if there is no such file, or it was altered."""
-    try:
-        content = json.loads(path.read_bytes())
-        seal = content.pop("sha256")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        if isinstance(error, FileNotFoundError | NotADirectoryError):
-            rule, remedy = "the store of a sweep", f"check the path: there is no {path.name}"
-            raise InputError("store", str(path.parent), rule, remedy) from error
-        raise _altered(path) from error
-    if seal != _seal(content):
-        raise _altered(path)
-    return dict(content)
-
-
-def _altered(path: Path) -> InputError:
-    remedy = "remove it and run the sweep again into the same store: its blocks are kept"
-    return InputError("file", str(path), "as it was written, but it was altered or truncated", remedy)
-
-
-def _seal(content: Mapping[str, Any]) -> str:
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _description(sweep: Sweep) -> dict[str, Any]:
@@ -345,7 +267,13 @@ def _description(sweep: Sweep) -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what computes and stores."""
+    """Return the versions of what computes and stores.
+
+    Example:
+        >>> from cyclosis.sweep.store import versions
+        >>> sorted(versions())[:3]
+        ['cyclosis', 'jax', 'jaxlib']
+    """
     out = {"cyclosis": __version__, "python": platform.python_version()}
     for name in ("jax", "jaxlib", "numpy", "scipy"):
         try:
@@ -366,7 +294,7 @@ def _refuse_others(folder: Path, sweep: Sweep) -> None:
     if others:
         rule = f"a new or empty folder, or a store, but it holds {min(others)}"
         raise InputError("store", str(folder), rule, "choose another folder")
-    for name, path in _files(folder / BLOCKS):
+    for name, path in files(folder / BLOCKS):
         if match := _NAME.fullmatch(name):
             try:
                 unpack(Path(path).read_bytes(), sweep, int(match[1]), ())

@@ -1,37 +1,42 @@
-"""Regions of the surface, stated without a grid: boxes, discs, bands, strips, images, and combinations.
-
-A region is a value; `mask(grid)` says which points of a grid lie in it. `~a`, `a | b` and `a & b` are the
-complement, the union and the intersection. Angles in radians, lengths in radii; both directions are periodic.
-"""
+"""Regions with edges, and what is made of regions: complement, union and intersection."""
 
 from __future__ import annotations
 
-import base64
-import binascii
-import zlib
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from .errors import InputError
-from .grid import CylinderGrid
-from .interventions import SHAPES
+from ..errors import InputError
+from ..grid import CylinderGrid
+from ..interventions import SHAPES
 
 Mask = npt.NDArray[np.bool_]
 
 ROUNDING = 1e-9
 """What a point may lie before an edge and still count as on it."""
-LARGEST_IMAGE = 4096
-"""Pixels along either side of an image."""
-LARGEST_TEXT = 24_000
-"""Characters of a packed image: it is stored with every run, in an attribute of at most 64 kB."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """A part of the surface. Make one with the functions of this module, not with its classes."""
+    """A part of the surface. Make one with the functions of this module, not with its classes.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(64, 64, length=5.0)
+        >>> disc, half = cy.regions.disc(3.0, 2.5, 0.5), cy.regions.band("z", 0.0, 2.5)
+        >>> print(disc & ~half)
+        (disc (theta = 3, z = 2.5, radius = 0.5) and all but band (axis = z, start = 0, stop = 2.5))
+        >>> bool((disc | ~disc).mask(grid).all()), bool((disc & ~disc).mask(grid).any())
+        (True, False)
+        >>> disc.as_table(), bool(disc.inside(3.0, 2.9, grid.length))
+        ({'shape': 'disc', 'theta': 3.0, 'z': 2.5, 'radius': 0.5}, True)
+        >>> cy.regions.disc(3.0, 7.0, 0.5).check(grid)
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: z = 7.0 cannot be used: ...
+    """
 
     shape: ClassVar[str]
 
@@ -77,7 +82,13 @@ class Region:
 
 @dataclass(frozen=True)
 class Box(Region):
-    """theta0 <= theta < theta1 and z0 <= z < z1, either going round if the first end is beyond the second."""
+    """theta0 <= theta < theta1 and z0 <= z < z1, either going round if the first end is beyond the second.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(cy.regions.box(6.0, 0.3, 1.0, 2.0))
+        box (theta0 = 6, theta1 = 0.3, z0 = 1, z1 = 2)
+    """
 
     shape = "box"
     theta0: float
@@ -102,7 +113,13 @@ class Box(Region):
 
 @dataclass(frozen=True)
 class Disc(Region):
-    """All points within `radius` of (theta, z), measured on the surface."""
+    """All points within `radius` of (theta, z), measured on the surface.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(cy.regions.disc(3.0, 2.5, 0.5))
+        disc (theta = 3, z = 2.5, radius = 0.5)
+    """
 
     shape = "disc"
     theta: float
@@ -122,7 +139,13 @@ class Disc(Region):
 
 @dataclass(frozen=True)
 class Band(Region):
-    """start <= axis < stop, going round if start is beyond stop."""
+    """start <= axis < stop, going round if start is beyond stop.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(cy.regions.band("z", 4.0, 1.0))
+        band (axis = z, start = 4, stop = 1)
+    """
 
     shape = "band"
     axis: str
@@ -153,7 +176,13 @@ class Band(Region):
 
 @dataclass(frozen=True)
 class Strips(Region):
-    """`count` strips at even distances along an axis that cover a `share` of the surface."""
+    """`count` strips at even distances along an axis that cover a `share` of the surface.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(cy.regions.strips(4, share=0.25))
+        strips (count = 4, share = 0.25, axis = theta, offset = 0)
+    """
 
     shape = "strips"
     count: int
@@ -168,41 +197,14 @@ class Strips(Region):
 
 
 @dataclass(frozen=True)
-class Image(Region):
-    """The light pixels of an image, `width` x `height`; `pixels` holds them packed as text."""
-
-    shape = "image"
-    width: int
-    height: int
-    pixels: str
-
-    def __post_init__(self) -> None:
-        rule = f"the packed pixels of an image of {self.width} x {self.height}"
-        try:
-            self._light()
-        except (TypeError, ValueError, binascii.Error, zlib.error) as error:
-            raise InputError("pixels", self.pixels, rule, "give path instead") from error
-
-    def inside(self, theta: Any, z: Any, length: float) -> Any:
-        """Return whether points lie on a light pixel."""
-        column = np.floor(theta / (2 * np.pi) * self.width + ROUNDING).astype(int) % self.width
-        row = np.floor(z / length * self.height + ROUNDING).astype(int) % self.height
-        return self._light()[self.height - 1 - row, column]
-
-    def _light(self) -> Mask:
-        size = self.width * self.height
-        if not 1 <= self.width <= LARGEST_IMAGE or not 1 <= self.height <= LARGEST_IMAGE:
-            raise ValueError("sides of an image")
-        packed = zlib.decompressobj().decompress(base64.b64decode(self.pixels, validate=True), size)
-        return np.unpackbits(np.frombuffer(packed, np.uint8))[:size].reshape(self.height, self.width) == 1
-
-    def __str__(self) -> str:
-        return f"image ({self.width} x {self.height}, light {self._light().mean():.1%})"
-
-
-@dataclass(frozen=True)
 class Complement(Region):
-    """All that does not lie in a region."""
+    """All that does not lie in a region.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(~cy.regions.disc(3.0, 2.5, 0.5))
+        all but disc (theta = 3, z = 2.5, radius = 0.5)
+    """
 
     region: Region
 
@@ -251,7 +253,13 @@ class _Combined(Region):
 
 @dataclass(frozen=True)
 class Union(_Combined):
-    """All that lies in any of the parts."""
+    """All that lies in any of the parts.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(cy.regions.disc(1.0, 2.5, 0.5) | cy.regions.disc(4.0, 2.5, 0.5))
+        (disc (theta = 1, z = 2.5, radius = 0.5) or disc (theta = 4, z = 2.5, radius = 0.5))
+    """
 
     shape = "union"
     word = "or"
@@ -263,7 +271,13 @@ class Union(_Combined):
 
 @dataclass(frozen=True)
 class Intersection(_Combined):
-    """All that lies in every one of the parts."""
+    """All that lies in every one of the parts.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> print(cy.regions.disc(1.0, 2.5, 0.5) & cy.regions.band("z", 0.0, 2.5))
+        (disc (theta = 1, z = 2.5, radius = 0.5) and band (axis = z, start = 0, stop = 2.5))
+    """
 
     shape = "intersection"
     word = "and"
@@ -274,17 +288,39 @@ class Intersection(_Combined):
 
 
 def box(theta0: float, theta1: float, z0: float, z1: float) -> Region:
-    """Return the region theta0 <= theta < theta1, z0 <= z < z1; a first end beyond the second goes round."""
+    """Return the region theta0 <= theta < theta1, z0 <= z < z1; a first end beyond the second goes round.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> where = cy.regions.box(6.0, 0.3, 1.0, 2.0).mask(cy.CylinderGrid(64, 64))  # across theta = 0
+        >>> where.shape, bool(where[0, 20]), bool(where[32, 20])
+        ((64, 64), True, False)
+    """
     return Box(theta0, theta1, z0, z1)
 
 
 def disc(theta: float, z: float, radius: float) -> Region:
-    """Return all points within `radius` of (theta, z), measured on the surface."""
+    """Return all points within `radius` of (theta, z), measured on the surface.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(256, 256, length=5.0)
+        >>> covered = cy.regions.disc(3.0, 2.5, 1.0).mask(grid).mean()
+        >>> round(float(covered * 2 * 3.14159 * grid.length), 2)  # π radius²
+        3.14
+    """
     return Disc(theta, z, radius)
 
 
 def band(axis: str, start: float, stop: float) -> Region:
-    """Return the region start <= axis < stop for `axis` "theta" or "z"; start beyond stop goes round."""
+    """Return the region start <= axis < stop for `axis` "theta" or "z"; start beyond stop goes round.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(64, 64, length=5.0)
+        >>> float(cy.regions.band("z", 3.75, 1.25).mask(grid).mean())  # both ends of the cell
+        0.5
+    """
     return Band(axis, start, stop)
 
 
@@ -292,49 +328,15 @@ def strips(count: int, share: float = 0.5, axis: str = "theta", offset: float = 
     """Return `count` strips at even distances along an axis that together cover a `share` of the surface.
 
     With axis "theta" they run along the cell, with "z" around it. The first begins `offset` spacings from 0.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(64, 64)
+        >>> where = cy.regions.strips(4, share=0.25).mask(grid)
+        >>> where[:20, 0].astype(int)
+        array([1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1])
     """
     return Strips(count, share, axis, offset)
-
-
-def image(path: str) -> Region:
-    """Return the light pixels (at least half as bright as white, and not transparent) of an image.
-
-    It is laid over the unwrapped surface: theta from 0 to 2π to the right, z from 0 to the length upwards; a
-    point takes the pixel that it falls on. The region holds the pixels, so that the file is not needed again.
-    Raises `InputError` for a file that is no image, or too large or too intricate to be stored with a run.
-    """
-    light = _read(path)
-    packed = base64.b64encode(zlib.compress(np.packbits(light).tobytes(), 9)).decode()
-    if len(packed) > LARGEST_TEXT:
-        rule = f"an image that packs to at most {LARGEST_TEXT} characters, and it takes {len(packed)}"
-        raise InputError("path", str(path), rule, "make it smaller or smoother")
-    return Image(light.shape[1], light.shape[0], packed)
-
-
-def _read(path: str) -> Mask:
-    from PIL import Image as pictures
-
-    rule = f"an image (PNG, say) of at most {LARGEST_IMAGE} x {LARGEST_IMAGE} pixels"
-    try:
-        with pictures.open(path) as picture:
-            if max(picture.size) > LARGEST_IMAGE:
-                raise InputError("path", str(path), rule, "make it smaller")
-            if picture.mode.startswith("I"):  # sixteen bits of grey
-                return np.asarray(picture, dtype=np.float64) >= 0.5 * 65535
-            grey, opaque = picture.convert("LA").split()
-            return (np.asarray(grey) >= 128) & (np.asarray(opaque) >= 128)
-    except (
-        OSError,
-        ValueError,
-        SyntaxError,
-        TypeError,
-        AttributeError,
-        pictures.DecompressionBombError,
-    ) as error:
-        if isinstance(error, InputError):
-            raise
-        reason = getattr(error, "strerror", None) or "it is none, or damaged"
-        raise InputError("path", str(path), rule, f"check the file ({reason})") from error
 
 
 def _require_regions(parts: tuple[Any, ...]) -> None:
