@@ -1,6 +1,8 @@
 # make demo   set up, run the paper's Figure 4 cell, leave data and pictures in results/
 # make test   set up, run the tests and the style and type checks
 # make check  the slower physics checks
+# make coverage   lines and branches that the tests of `make test` run, per room, in docs/quality.md
+# make docs   build the site of these pages in docs/_build/html; every page with code is run
 # make page   build the explorer's page anew (needs Node.js 20.19 or newer); setting up does so where it can
 PYTHON ?= python3
 VENV   ?= .venv
@@ -10,7 +12,7 @@ NODE   := install Node.js 20.19 or newer, then run \`make page\`
 # What the page is made of, as hatch_build.py sees it.
 WEB    := $(shell find web -type f -not -path 'web/node_modules/*' -not -path 'web/tests/*' -not -path 'web/dist/*' -not -path '*/.*' 2>/dev/null)
 
-.PHONY: demo test check lint page clean
+.PHONY: demo test check coverage lint docs page clean
 
 demo: $(VENV)/installed
 	@mkdir -p results
@@ -24,10 +26,25 @@ test: $(VENV)/installed lint
 
 check: $(VENV)/installed
 	$(BIN)/python -m pytest -m slow
+	@if command -v npm >/dev/null; then cd web && npm ci --silent && npm test; \
+	else echo "The tests of the page's parts are skipped: there is no npm."; fi
+
+coverage: $(VENV)/installed
+	$(BIN)/python -m pytest -n 2 -m "not slow" --cov --cov-branch --cov-report=term --cov-report=json:.coverage.json
+	$(BIN)/python benchmarks/quality.py .coverage.json
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+docs: $(VENV)/documented
+	$(BIN)/python docs/generate.py
+	$(BIN)/sphinx-build -W --keep-going -q -j auto docs docs/_build/html
+	@echo "Open docs/_build/html/index.html"
+
+$(VENV)/documented: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
+	@touch $@
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("cyclosis needs Python 3.11 or newer, this is " + sys.version.split()[0] + ": set PYTHON=/path/to/python3.11") if sys.version_info < (3, 11) else None'
@@ -44,4 +61,4 @@ $(PAGE): $(WEB)
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results dist build web/node_modules $(dir $(PAGE))
+	rm -rf $(VENV) results dist build docs/_build web/node_modules $(dir $(PAGE))

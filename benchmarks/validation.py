@@ -40,7 +40,7 @@ def main() -> None:
         parser.error(f"no section {min(unknown)}: choose from " + ", ".join(SECTIONS))
     failed = 0
     for name in chosen:
-        print(f"\n### {SECTIONS[name]}\n\n| case | quantity | measured | bound |\n|---|---|---:|---:|")
+        print(f"\n## {SECTIONS[name]}\n\n| case | quantity | measured | bound |\n|---|---|---:|---:|")
         for row in import_module(f"measure.{name}").rows():
             failed += not row.ok
             verdict = "" if row.ok else " **missed**"

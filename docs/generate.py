@@ -1,16 +1,23 @@
-"""Write the tables of settings and quantities from their definitions, and what follows from stored data.
+"""Write the pages that follow from definitions, docstrings, scripts and stored data.
 
 python docs/generate.py            # writes the files named in `PAGES`
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
+import re
 from collections.abc import Iterable
+from functools import partial
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import xarray
 
+import cyclosis
 from cyclosis.analysis.diagnostics import QUANTITIES
 from cyclosis.analysis.regimes import REGIMES
 from cyclosis.experiments.catalogue import NAMES
@@ -123,7 +130,114 @@ def quantities() -> str:
 
 
 def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
+    # A backslash keeps what looks like a tag, <P>, from being one.
+    return re.sub(r"<(?=[A-Za-z]+>)", r"\\<", text.replace("|", "\\|"))
+
+
+def symbols() -> str:
+    """Return the page of symbols and the names that they have in code."""
+    out = NOTE + "# Symbols and names\n\nWhat formulas call by a symbol, and code and files by a name. "
+    out += "Ranges are in\n[settings](settings.md), equations in [the model](model.md).\n"
+    out += "\n## Given\n\n| symbol | name | meaning | default |\n|---|---|---|---|\n"
+    for table, items in TABLES.items():
+        for item in items:
+            if item.symbol != "-":
+                shown = f"{_cell(item.symbol)} | `{item.name}` in [{table}]"
+                out += f"| {shown} | {_cell(item.meaning)} | {_default(item)} |\n"
+    out += "\n## Computed\n\n| symbol | name | meaning |\n|---|---|---|\n"
+    for item in QUANTITIES:
+        if item.symbol != "-":
+            out += f"| {_cell(item.symbol)} | `{item.name}` | {_cell(item.meaning)} |\n"
+    return out
+
+
+def gallery() -> str:
+    """Return the page that lists the scripts of the gallery."""
+    out = NOTE + "# Gallery\n\nPhenomena, each by a script of some seconds and by numbers that prove it.\n"
+    out += "The scripts are in `examples/`; these pages run them.\n\n"
+    out += "".join(f"* [{_titled(path)[0]}]({path.stem}.md)\n" for path in EXAMPLES)
+    return out + "\n```{toctree}\n:hidden:\n\n" + "".join(f"{p.stem}\n" for p in EXAMPLES) + "```\n"
+
+
+def example(path: Path) -> str:
+    """Return the page of one script of the gallery, which runs it."""
+    title, text, first = _titled(path)
+    cell = (
+        'import sys\nimport tempfile\n\nimport PIL.Image\n\nsys.path.insert(0, "../../examples")\n'
+        f"import {path.stem}\n\nfolder = tempfile.mkdtemp()\nfound = {path.stem}.main(folder)\n"
+        f'PIL.Image.open(f"{{folder}}/{path.stem}.png")\n'
+    )
+    told = 'print(*(f"{value:12.6g}  {name}" for name, value in found.items()), sep="\\n")\n'
+    return (
+        "---\nfile_format: mystnb\nkernelspec:\n  name: python3\nmystnb:\n  execution_in_temp: false\n---\n\n"
+        + NOTE
+        + f"# {title}\n\n{text}\n\n"
+        + f"```{{code-cell}}\n:tags: [remove-input]\n\n{cell}```\n\n"
+        + f"```{{code-cell}}\n:tags: [remove-input]\n\n{told}```\n\n"
+        + f"`examples/{path.name}`:\n\n"
+        + f"```{{literalinclude}} ../../examples/{path.name}\n:language: python\n:lines: {first}-\n```\n"
+    )
+
+
+def _titled(path: Path) -> tuple[str, str, int]:
+    """Return a script's title, what it says of itself, and the line at which its code begins."""
+    tree = ast.parse(path.read_text())
+    title, _, text = (ast.get_docstring(tree) or "").partition("\n\n")
+    return title.rstrip("."), text, tree.body[1].lineno
+
+
+def api() -> str:
+    """Return the page that lists the pages of the reference."""
+    out = NOTE + "# Reference\n\nEvery public name, with an example.\n\n"
+    out += "".join(f"* [{title}]({name}.md): {what}\n" for name, (title, what, *_) in REFERENCE.items())
+    return out + "\n```{toctree}\n:hidden:\n\n" + "".join(f"{name}\n" for name in REFERENCE) + "```\n"
+
+
+def reference(name: str) -> str:
+    """Return one page of the reference."""
+    title, what, names, modules = REFERENCE[name]
+    out = NOTE + f"# {title}\n\n{what[0].upper()}{what[1:]}.\n\n"
+    if names:
+        out += _documented("cyclosis", names.split())
+    for module in modules:
+        text = (import_module(_home(module)).__doc__ or "").strip().split("\n\n")[0]
+        out += f"## {module}\n\n{' '.join(text.split())}\n\n"
+        out += _documented(module, FIGURES.get(module) or _public(_home(module)))
+    return out
+
+
+def _home(module: str) -> str:
+    """Return the module that a name like cyclosis.zones stands for."""
+    first, _, rest = module.partition(".")
+    return getattr(cyclosis, rest).__name__ if rest in cyclosis.__all__ else f"{first}.{rest}"
+
+
+def _public(module: str) -> list[str]:
+    """Return the functions and classes that a module offers and that `cyclosis` itself does not."""
+    home = import_module(module)
+    package = hasattr(home, "__path__")
+    found = []
+    for name, value in vars(home).items():
+        if name.startswith("_") or not (inspect.isfunction(value) or inspect.isclass(value)):
+            continue
+        own = value.__module__.startswith(module) if package else value.__module__ == module
+        if own and getattr(cyclosis, name, None) is not value:
+            found.append(name)
+    return found
+
+
+def _documented(module: str, names: Iterable[str]) -> str:
+    out = "```{eval-rst}\n"
+    home = cyclosis if module == "cyclosis" else import_module(_home(module))
+    for name in names:
+        value = getattr(home, name)
+        if inspect.isclass(value):
+            out += f".. autoclass:: {module}.{name}\n   :members:\n"
+        elif inspect.isroutine(value):
+            out += f".. autofunction:: {module}.{name}\n"
+        else:
+            out += f".. py:data:: {module}.{name}\n\n   {CONSTANTS[name]}\n\n"
+    return out + "```\n\n"
 
 
 def claims() -> str:
@@ -154,6 +268,16 @@ def claims() -> str:
     return out + "".join(lines) + "\n" + "\n".join(pictures)
 
 
+def peers() -> str:
+    """Return the page that compares other codes."""
+    spec = spec_from_file_location("peers_page", HERE.parent / "benchmarks" / "peers" / "page.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return str(module.page())
+
+
 def phase_diagram() -> str:
     """Return the computed phase diagram for the explorer's page, as JSON."""
     with xarray.open_dataset(HERE / "data" / "figure5.nc", engine="h5netcdf") as data:
@@ -171,14 +295,92 @@ def phase_diagram() -> str:
     return json.dumps(found) + "\n"
 
 
+ORDER = (
+    *("emergence", "growth", "breaking_up", "two_ends", "unequal_stripes", "thresholds", "straightening"),
+    *("circumferential", "drifting_stripes", "helix", "cytochalasin", "wound"),
+)
+EXAMPLES = sorted((HERE.parent / "examples").glob("*.py"), key=lambda path: ORDER.index(path.stem))
+"""The scripts of the gallery, in the order of its story."""
+
+
+CONSTANTS = {
+    "TERMS": "The terms of the filament equation, a tuple of `Term`: `terms=[*cy.TERMS, mine]` adds one.",
+    "REGIMES": "The names that a `Regime` may have; a sweep stores their indices.",
+    "__version__": "The version of this package.",
+}
+FIGURES = {
+    "cyclosis.figures.emergence": ["emergence"],
+    "cyclosis.figures.history": ["history"],
+    "cyclosis.figures.movie": ["movie"],
+    "cyclosis.figures.cylinder": ["draw"],
+    "cyclosis.figures.unwrapped": ["draw_map"],
+    "cyclosis.figures.streamlines": ["streamlines"],
+    "cyclosis.figures.phase_diagram": ["phase_diagram"],
+    "cyclosis.figures.regime_maps": ["regimes_and_time"],
+    "cyclosis.figures.basins": ["basins"],
+    "cyclosis.figures.dispersion": ["dispersion"],
+    "cyclosis.figures.spectra": ["profile", "drifting", "spectrum", "eigenvalues"],
+    "cyclosis.figures.bifurcation": ["bifurcation"],
+    "cyclosis.figures.limits": ["limits"],
+    "cyclosis.figures.regime_map": ["regime_map"],
+    "cyclosis.figures.style": ["save"],
+}
+"""The functions that draw and write figures, by module."""
+
+REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
+    "cell": (
+        "A cell",
+        "parameters, grid, units, initial states, regions, and the right-hand side",
+        "Parameters CylinderGrid Scales flow rate_of_change interpolate Term TERMS InputError __version__",
+        ("cyclosis.initial", "cyclosis.regions"),
+    ),
+    "run": (
+        "A run",
+        "simulating a cell, going on, and what is done to it on the way",
+        "simulate resume Trajectory Status Snapshot Protocol "
+        "change wash_out fragment depolymerise align noise",
+        (),
+    ),
+    "analysis": (
+        "What a state is",
+        "recorded quantities, spectra, indifferent zones and regimes",
+        "diagnose spectra regime Regime REGIMES",
+        ("cyclosis.diagnostics", "cyclosis.zones"),
+    ),
+    "files": (
+        "Files",
+        "runs on disk, and back",
+        "write open_dataset load resume_file RunWriter",
+        ("cyclosis.dataset",),
+    ),
+    "sweeps": (
+        "Ensembles and sweeps",
+        "many cells, each to its certain end",
+        "Sweep run_sweep open_sweep",
+        ("cyclosis.ensemble", "cyclosis.sweep.export", "cyclosis.sweep.store"),
+    ),
+    "stability": ("Theory", "steady states, growth rates, thresholds", "", ("cyclosis.stability",)),
+    "experiments": ("Experiments", "the paper's claims, put to the model", "", ("cyclosis.experiments",)),
+    "figures": ("Figures", "pictures of runs, sweeps and theory", "", tuple(FIGURES)),
+    "traced": ("For JAX", "the functions that `jit`, `grad` and `vmap` may trace", "", ("cyclosis.traced",)),
+}
+"""Pages of the reference: title, what is there, names of `cyclosis`, and modules."""
+
 PAGES = {
     "settings.md": settings,
     "quantities.md": quantities,
+    "symbols.md": symbols,
+    "gallery/index.md": gallery,
+    **{f"gallery/{path.stem}.md": partial(example, path) for path in EXAMPLES},
+    "api/index.md": api,
+    **{f"api/{name}.md": partial(reference, name) for name in REFERENCE},
     "claims.md": claims,
+    "peers.md": peers,
     "../src/cyclosis/explorer/figure5.json": phase_diagram,
 }
 """Paths from this folder, and what stands there."""
 
 if __name__ == "__main__":
     for name, page in PAGES.items():
+        (HERE / name).parent.mkdir(exist_ok=True)
         (HERE / name).write_text(page())
