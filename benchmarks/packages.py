@@ -84,6 +84,7 @@ def seconds(command: list[str | Path], env: dict[str, str]) -> float:
 def smoke(tools: Path, folder: Path) -> str:
     """Use an installed package as a new user does; return what was measured."""
     env = {"PATH": str(tools), "HOME": str(folder), "OPENBLAS_NUM_THREADS": "1"}
+    folder = Path(tempfile.mkdtemp(dir=folder))
     for tool in ("cc", "gcc", "node", "npm"):
         assert shutil.which(tool, path=str(tools)) is None
     start = re.search(r"```python\n(import cyclosis.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)

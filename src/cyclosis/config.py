@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .model.definitions import INITIAL, TABLES, Definition
+from .model.definitions import INITIAL, STEPPERS, TABLES, Definition
 from .model.errors import InputError, closest
 
 if TYPE_CHECKING:
@@ -188,7 +188,7 @@ def _refuse_idle(run: Mapping[str, Any]) -> None:
     for key, idle, rule in (
         ("rtol", fixed, "used with stepper = adaptive"),
         ("atol", fixed, "used with stepper = adaptive"),
-        ("dt", not fixed, "used with stepper = etdrk4 or rk4"),
+        ("dt", not fixed, "used with a stepper of fixed steps, " + " or ".join(STEPPERS[1:])),
         ("save_every", run.get("save_at") is not None, "used without save_at"),
     ):
         if idle and run.get(key) is not None:

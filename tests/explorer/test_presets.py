@@ -11,11 +11,10 @@ from cyclosis import config
 from cyclosis.dynamics.simulate import simulate
 from cyclosis.experiments.catalogue import NAMES
 from cyclosis.explorer import setup
-from cyclosis.explorer.captions import CAPTIONS
 from cyclosis.explorer.palettes import PALETTES
 from cyclosis.explorer.presets import PRESETS
 from cyclosis.figures.style import polarity_rgb
-from cyclosis.model.definitions import TERM_NAMES
+from cyclosis.model.equation import EQUATION
 
 BY_NAME = {item.name: item for item in PRESETS}
 EACH = pytest.mark.parametrize("item", PRESETS, ids=lambda item: item.name)
@@ -150,8 +149,7 @@ def test_a_cell_ends_as_its_text_says(name, regime, t_end):
 
 
 def test_every_term_has_a_caption_of_one_sentence():
-    assert tuple(CAPTIONS) == TERM_NAMES
-    for text in CAPTIONS.values():
+    for text in (entry.caption for entry in EQUATION):
         assert text.endswith(".")
         assert text.count(".") == 1
         assert len(text) < 110

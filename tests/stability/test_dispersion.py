@@ -28,7 +28,7 @@ CELLS = {
 
 
 def numbers(low, high):
-    return st.floats(low, high, allow_nan=False)
+    return st.floats(low, high, allow_nan=False, allow_subnormal=False)
 
 
 CELL = st.builds(

@@ -89,7 +89,7 @@ def _try(cell: System, control: Control, table: Tableau, now: Progress, t_end: A
     rung = jnp.clip(now.rung, LOWEST, HIGHEST)
     coefficients = Tableau(*(values[rung - LOWEST] for values in table))
     aimed = now._replace(rung=rung, h=h, left=jnp.ones_like(now.left))
-    new = one_step(cell, control, aimed, now.t + h, cell.linear(), coefficients, adaptive=True)
+    new = one_step(cell, control, aimed, now.t + h, cell.linear(), coefficients)
     new = new._replace(failed=new.failed | (new.rung < LOWEST))
     waits = now.failed | _waits(now, t_end)
     return jax.tree.map(lambda a, b: jnp.where(waits, a, b), now, new)

@@ -26,6 +26,13 @@ class Member:
     """One cell to follow: parameters, grid, a function that makes its initial state, and its protocol.
 
     The state (2, n_theta, n_z), |P| <= 1, is made only when the member's turn comes.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> member = cy.ensemble.Member(cy.Parameters(), grid, lambda: cy.initial.stripes(grid))
+        >>> member.params_at(10.0).alpha_p, member.state().shape
+        (1.0, (2, 16, 16))
     """
 
     params: Parameters
@@ -40,7 +47,14 @@ class Member:
 
 @dataclass(frozen=True)
 class EnsembleSettings:
-    """How members are followed; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U)."""
+    """How members are followed; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U).
+
+    Example:
+        >>> import cyclosis as cy
+        >>> how = cy.ensemble.EnsembleSettings(t_end=500.0, finish="t_end")
+        >>> how.t_end, how.run.save_times()
+        (500.0, array([  0., 500.]))
+    """
 
     t_end: float = 2000.0
     finish: str = "certified"
@@ -83,6 +97,17 @@ class Outcome:
     that is what is certain. `eigenvalue` is the largest growth rate of perturbations of it (NaN where none
     was computed), `tail` the largest spectral tail met after the initial noise had decayed. `evaluations`
     of the right-hand side and `seconds` say what it cost.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> weak = cy.Parameters(alpha_p=0.02, d_r=0.025)  # α_p < d_r: order can only decay
+        >>> member = cy.ensemble.Member(weak, grid, lambda: cy.initial.disordered(grid))
+        >>> [found] = cy.ensemble.follow([member])
+        >>> found.regime, found.status, found.reason
+        ('disordered', 'certified', 'alpha_p is at most d_r and the order too weak ever to grow')
+        >>> found.state.shape, found.profile.shape
+        ((2, 16, 16), (2, 16))
     """
 
     regime: str

@@ -49,6 +49,14 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
 
     Raises `InputError` for states that do not fit their grid, and for a protocol where `finish` is
     "certified"; all that happens later is an outcome.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid, params = cy.CylinderGrid(16, 16), cy.Parameters(alpha_p=0.5, d_s=0.1)
+        >>> starts = [cy.initial.stripes(grid, magnitude=0.9), cy.initial.unidirectional(grid, 0.9)]
+        >>> members = [cy.ensemble.Member(params, grid, lambda P=P: P) for P in starts]
+        >>> [(found.regime, found.status) for found in cy.ensemble.follow(members)]  # both are stable
+        [('cyclosis', 'certified'), ('unidirectional', 'certified')]
     """
     how = how or EnsembleSettings()
     outcomes: list[Outcome | None] = [None] * len(members)
@@ -69,7 +77,13 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
 
 
 def default_lanes(grid: CylinderGrid, precision: str) -> int:
-    """Return how many lanes suit the device that JAX computes on."""
+    """Return how many lanes suit the device that JAX computes on.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.ensemble.default_lanes(cy.CylinderGrid(48, 48), "float64") >= 1
+        True
+    """
     if jax.default_backend() == "cpu":
         return CPU_LANES
     each = FIELDS_PER_LANE * grid.n_theta * grid.n_z * (16 if precision == "float64" else 8)
@@ -198,7 +212,7 @@ class _Pool:
             status = "diverged" if bool(now.failed) else "completed"
             if status == "completed":
                 running = self.device.with_values(cell.values)
-                now = advance(running, self.control, now, self.t_end, np.int64(MOST_STEPS), True)
+                now = advance(running, self.control, now, self.t_end, np.int64(MOST_STEPS))
             state = cell.state(np.asarray(now.spectrum))
             found = regime(seat.params, self.grid, state, self.how.terms)
             verdict = Verdict(found.name, uncertain(status, found.rate), state, np.nan, 0.0)

@@ -62,7 +62,7 @@ class _Ride:
     def _reach(self, now: Progress, target: float) -> Progress:
         control = self.control._replace(bound=self.course.bound(self.done))
         while float(now.t) < target and not bool(now.failed):
-            now = advance(self.cell, control, now, np.float64(target), np.int64(CHECK_STEPS), True)
+            now = advance(self.cell, control, now, np.float64(target), np.int64(CHECK_STEPS))
             seen = jax.device_get(signs(self.cell, now, self.how.t_end))
             t = float(seen.t)
             self.looks.append((t, Look.of_signs(seen)))

@@ -29,7 +29,13 @@ NAMES = (
 
 
 def experiment(name: str) -> Experiment:
-    """Return an experiment by name. Raises `InputError` for a name that is none of `NAMES`."""
+    """Return an experiment by name. Raises `InputError` for a name that is none of `NAMES`.
+
+    Example:
+        >>> from cyclosis.experiments import NAMES, experiment
+        >>> len(NAMES), experiment("recovery").source
+        (16, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
+    """
     chosen = choice("experiment", name, NAMES)
     module = import_module(f"{__package__}.{chosen.replace('-', '_')}")
     found: Experiment = module.EXPERIMENT

@@ -18,7 +18,13 @@ AGREES, IN_PART, DOES_NOT = OUTCOMES = ("agrees", "in part", "does not")
 
 @dataclass(frozen=True)
 class Verdict:
-    """How a claim stands: `outcome`, one of `OUTCOMES`, and the sentence with the numbers that say so."""
+    """How a claim stands: `outcome`, one of `OUTCOMES`, and the sentence with the numbers that say so.
+
+    Example:
+        >>> from cyclosis.experiments import Verdict
+        >>> Verdict("agrees", "100 of 100 cells").outcome
+        'agrees'
+    """
 
     outcome: str
     measured: str
@@ -34,6 +40,14 @@ class Experiment:
     `claim` is the paper's, in our words, `source` where it stands, `method` what is done and measured.
     `seeds` is the number of seeds of the full form and `quick_seeds` that of the quick one. `measure` makes
     the dataset, from which alone `verdict` and `draw` follow: a stored dataset gives the same again.
+
+    Example:
+        >>> from cyclosis.experiments import experiment
+        >>> chosen = experiment("timescales")
+        >>> chosen.name, chosen.seeds > chosen.quick_seeds
+        ('timescales', True)
+        >>> chosen.claim.split(",")[0]
+        'A vesicle walks along a filament in much less time than it takes to turn it'
     """
 
     name: str

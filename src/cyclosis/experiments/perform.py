@@ -23,7 +23,14 @@ STORES = "stores"
 
 @dataclass(frozen=True)
 class Performance:
-    """What an experiment left: its dataset, its verdict, and the files it was written to."""
+    """What an experiment left: its dataset, its verdict, and the files it was written to.
+
+    Example:
+        >>> from cyclosis.experiments import perform
+        >>> done = perform("timescales", "other", quick=True)
+        >>> done.experiment.name, done.dataset.attrs["command"]
+        ('timescales', 'cyclosis experiment timescales --quick')
+    """
 
     experiment: Experiment
     dataset: xarray.Dataset
@@ -46,6 +53,12 @@ def perform(
     `seeds` replaces the experiment's own number of seeds; `quick` takes few, and less of all else. What its
     sweeps have computed stays in `out`/stores, so that the same call goes on after an interruption.
     Raises `InputError` for an unknown name, files that stand (unless `force`), and seeds out of range.
+
+    Example:
+        >>> from cyclosis.experiments import perform
+        >>> done = perform("timescales", "bench", quick=True)
+        >>> done.verdict.outcome, done.file.name, done.figure.name
+        ('in part', 'timescales.nc', 'timescales.png')
     """
     chosen = experiment(name)
     folder = Path(out)

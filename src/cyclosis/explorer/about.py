@@ -14,11 +14,10 @@ from ..analysis.diagnostics import QUANTITIES
 from ..config import USED_BY
 from ..dynamics.protocol import MOST_STEPS
 from ..model.definitions import GRID, INITIAL, PARAMETERS, Definition
+from ..model.equation import EQUATION
 from ..model.errors import choice
-from ..model.filaments import TERMS
 from ..model.parameters import Parameters
 from ..version import __version__
-from .captions import CAPTIONS
 from .messages import FASTEST, MOST_POINTS
 from .palettes import PALETTES
 from .presets import PRESETS, Preset
@@ -46,9 +45,7 @@ def about(idle_seconds: float) -> dict[str, Any]:
         "initial": [_told(item) for item in INITIAL if item.name in _SHOWN],
         "uses": {kind: [name for name in USED_BY[kind] if name in _SHOWN] for kind in KINDS},
         "interval": _told(INTERVAL),
-        "terms": [
-            {"name": term.name, "formula": term.formula, "caption": CAPTIONS[term.name]} for term in TERMS
-        ],
+        "terms": [{"name": item.name, "formula": item.formula, "caption": item.caption} for item in EQUATION],
         "traces": [_trace(name) for name in TRACES],
         "presets": [
             {"name": item.name, "group": item.group, "title": item.title, "text": item.text}

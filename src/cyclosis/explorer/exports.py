@@ -1,63 +1,75 @@
-"""A cell as files: its configuration, its dataset, its movie, each made anew from what its link holds."""
+"""A cell as files: its configuration, its dataset, its movie, each made anew from what its link holds.
+
+Runs and movies are made by a process of their own, which ends with its work or when nobody waits for it any
+more: neither its memory nor its load is the visitors'.
+"""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable
+import asyncio
+import json
+import os
+import sys
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
 from ..model.errors import InputError
-from .setup import SetUp
+from . import setup
 
 MOST = 4000
 """Frames of a run that is exported as a file."""
+MOST_VALUES = MOST * 64 * 64
+"""Grid points of all its frames together."""
 MOVIE_FRAMES = 144
+FILES = {"cell.toml": "application/toml", "run.nc": "application/x-netcdf", "movie.mp4": "video/mp4"}
+"""Files by name, with their types."""
 
 
-def toml(cell: SetUp, alive: Callable[[], bool]) -> bytes:
-    """Return the configuration that `cyclosis run` takes."""
-    return cell.toml().encode()
+class Refused(Exception):
+    """A file that cannot be made; the message says why in a sentence."""
 
 
-def netcdf(cell: SetUp, alive: Callable[[], bool]) -> bytes:
-    """Return the run's NetCDF file, computed by `simulate`."""
-    from .. import dataset
+async def make(name: str, link: str, folder: Path, left: Callable[[], Awaitable[bool]]) -> Path:
+    """Make a file in a folder and return its path.
 
-    with tempfile.TemporaryDirectory(prefix="cyclosis-") as folder:
-        return dataset.write(_run(cell, alive), Path(folder) / "run.nc").read_bytes()
-
-
-def movie(cell: SetUp, alive: Callable[[], bool]) -> bytes:
-    """Return the run's movie as MP4."""
-    from ..figures.movie import movie as drawn
-
-    def watch(done: int, total: int) -> None:
-        _go_on(alive)
-
-    run = _run(cell, alive)
-    with tempfile.TemporaryDirectory(prefix="cyclosis-") as folder:
-        target = Path(folder) / "movie.mp4"
-        drawn(run.to_dataset(), target, frames=MOVIE_FRAMES, progress=watch, workers=1)
-        return target.read_bytes()
-
-
-FILES: dict[str, tuple[str, Callable[[SetUp, Callable[[], bool]], bytes]]] = {
-    "cell.toml": ("application/toml", toml),
-    "run.nc": ("application/x-netcdf", netcdf),
-    "movie.mp4": ("video/mp4", movie),
-}
-"""Files by name: their type and how they are made."""
+    Raises `InputError` or `Refused` for a cell of which it cannot be made, and `ConnectionAbortedError` once
+    `left` says that nobody waits.
+    """
+    cell, target = setup.from_link(link), folder / name
+    if name == "cell.toml":
+        target.write_text(cell.toml(), encoding="utf-8")
+        return target
+    _check(cell)
+    pipe, nowhere = asyncio.subprocess.PIPE, asyncio.subprocess.DEVNULL
+    command = sys.executable, "-m", __name__, str(target)
+    maker = await asyncio.create_subprocess_exec(*command, stdin=pipe, stdout=pipe, stderr=nowhere)
+    said = asyncio.create_task(maker.communicate(link.encode()))
+    try:
+        while not (await asyncio.wait({said}, timeout=0.5))[0]:
+            if await left():
+                raise ConnectionAbortedError("the visitor has left")
+    finally:
+        if maker.returncode is None:
+            maker.kill()
+        words, _ = await said
+    if maker.returncode:
+        raise Refused(json.loads(words) if words else "The file could not be made: try again.")
+    return target
 
 
-def _run(cell: SetUp, alive: Callable[[], bool]) -> Any:
+def _check(cell: setup.SetUp) -> None:
+    frames = cell.t / cell.every
+    points = [cell.filled()["grid"][key] for key in ("n_theta", "n_z")]
+    most = min(MOST, MOST_VALUES // (points[0] * points[1]))
+    if not 1 <= frames <= most:
+        rule = f"from 1 to {most} in a file made here of {points[0]} x {points[1]} points"
+        raise InputError("frames", round(frames), rule, "use the TOML with cyclosis run")
+
+
+def _run(cell: setup.SetUp) -> Any:
     from ..dynamics.simulate import simulate
 
-    frames = cell.t / cell.every
-    if not 1 <= frames <= MOST:
-        raise InputError(
-            "frames", round(frames), f"from 1 to {MOST} in a file made here", "use the TOML with cyclosis run"
-        )
     ready = cell.ready()
     return simulate(
         ready.params,
@@ -66,11 +78,28 @@ def _run(cell: SetUp, alive: Callable[[], bool]) -> Any:
         cell.t,
         cell.every,
         protocol=ready.protocol,
-        progress=lambda now: _go_on(alive),
         provenance={"initial": ready.initial},
     )
 
 
-def _go_on(alive: Callable[[], bool]) -> None:
-    if not alive():
-        raise ConnectionAbortedError("the visitor has left")
+def _main(target: Path, link: str) -> None:
+    """Make one file."""
+    try:
+        run = _run(setup.from_link(link))
+        if target.name == "run.nc":
+            from .. import dataset
+
+            dataset.write(run, target)
+        else:
+            from ..figures.movie import movie
+
+            movie(run.to_dataset(), target, frames=MOVIE_FRAMES, workers=1)
+    except InputError as error:
+        print(json.dumps(str(error)))
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    if hasattr(os, "nice"):
+        os.nice(10)
+    _main(Path(sys.argv[1]), sys.stdin.read())

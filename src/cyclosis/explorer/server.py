@@ -4,26 +4,31 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Awaitable, Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 from urllib.parse import urlsplit
 
 from fastapi import FastAPI, Request, WebSocket, WebSocketDisconnect
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import FileResponse, JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
 
 from ..model.errors import InputError, choice
-from . import exports, setup
+from . import exports
 from .about import about
 from .messages import LONGEST
 from .visit import Visit
+from .work import Work
 
 PAGE = Path(__file__).parent / "page"
 """The built page."""
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+MOST_FILES = 4
+"""Files that are made or given away at once; they are made one after another."""
+SENDING = 600.0
+"""Seconds within which a file is taken."""
 MISSING = "install Node.js 20 or newer, then run `make page` or reinstall cyclosis"
 _SECURITY = {
     "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -65,14 +70,31 @@ class _Wire:
         await asyncio.wait_for(self.socket.send_bytes(data), 30.0)
 
 
+class _File(FileResponse):
+    """A file that is given away and then deleted."""
+
+    def __init__(self, path: Path, kept: contextlib.ExitStack) -> None:
+        super().__init__(path, media_type=exports.FILES[path.name], filename=path.name)
+        self.kept = kept
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        with self.kept, contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(super().__call__(scope, receive, send), SENDING)
+
+
 def application(limits: Limits | None = None) -> FastAPI:
     """Return the server. It holds no state but its sessions and the page."""
     allowed = limits or Limits()
-    app = FastAPI(title="cyclosis explorer", docs_url=None, redoc_url=None, openapi_url=None)
-    pool = ThreadPoolExecutor(allowed.threads, "cell")
-    files = ThreadPoolExecutor(1, "file")
-    waiting = asyncio.Semaphore(4)
-    open_sessions = 0
+    work = Work(allowed.threads)
+
+    @contextlib.asynccontextmanager
+    async def life(_: FastAPI) -> AsyncIterator[None]:
+        yield
+        work.end()
+
+    app = FastAPI(title="cyclosis explorer", docs_url=None, redoc_url=None, openapi_url=None, lifespan=life)
+    making = asyncio.Lock()
+    folders: set[str] = set()
 
     @app.middleware("http")
     async def guarded(request: Request, call: Callable[[Request], Awaitable[Response]]) -> Response:
@@ -89,45 +111,41 @@ def application(limits: Limits | None = None) -> FastAPI:
 
     @app.get("/api/export/{name}")
     async def export(name: str, cell: str, request: Request) -> Response:
-        if waiting.locked():
+        if len(folders) >= MOST_FILES:
             return JSONResponse({"sentence": "Other files are being made: try again soon."}, 503)
-        gone = False
-        async with waiting:
+        with contextlib.ExitStack() as kept:
+            folder = kept.enter_context(TemporaryDirectory(prefix="cyclosis-", ignore_cleanup_errors=True))
+            folders.add(folder)
+            kept.callback(folders.discard, folder)
             try:
                 choice("file", name, tuple(exports.FILES))
-                kind, make = exports.FILES[name]
-                begun = setup.from_link(cell)
-                work = asyncio.get_running_loop().run_in_executor(files, make, begun, lambda: not gone)
-                while not (await asyncio.wait({work}, timeout=0.5))[0]:
-                    gone = await request.is_disconnected()
-                return Response(
-                    work.result(), 200, {"Content-Disposition": f'attachment; filename="{name}"'}, kind
-                )
-            except InputError as error:
+                async with making:
+                    path = await exports.make(name, cell, Path(folder), request.is_disconnected)
+                return _File(path, kept.pop_all())
+            except (InputError, exports.Refused) as error:
                 return JSONResponse({"sentence": str(error)}, 400)
             except ConnectionAbortedError:
                 return Response(status_code=499)
 
     @app.websocket("/cell")
     async def cell(socket: WebSocket) -> None:
-        nonlocal open_sessions
         if not _known_host(socket.headers.get("host", ""), allowed) or not _same_origin(socket):
             await socket.close(1008, "Only pages of this server may connect.")
             return
         await socket.accept()
-        if open_sessions >= allowed.sessions:
+        if work.visits >= allowed.sessions:
             words = f"This server holds {allowed.sessions} sessions and all are taken: try again later."
             with contextlib.suppress(Exception):
                 await socket.send_json({"type": "ended", "sentence": words})
                 await socket.close(1013)
             return
-        open_sessions += 1
+        work.visits += 1
         try:
-            await Visit(_Wire(socket), pool, allowed.idle_seconds).go()
+            await Visit(_Wire(socket), work, allowed.idle_seconds).go()
         except (ConnectionError, TimeoutError, RuntimeError, WebSocketDisconnect):
             pass  # the visitor left, or cannot be served
         finally:
-            open_sessions -= 1
+            work.visits -= 1
             with contextlib.suppress(Exception):
                 await socket.close()
 
@@ -144,6 +162,8 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None 
     import socket
 
     import uvicorn
+
+    from . import connections
 
     if not (PAGE / "index.html").exists():
         raise InputError("explorer", "no page", "built with its page", MISSING)
@@ -164,7 +184,13 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None 
                 ready()
 
     how = uvicorn.Config(
-        application(limits), log_level="warning", ws="websockets-sansio", ws_max_size=LONGEST, ws_max_queue=8
+        application(limits),
+        log_level="error",  # a line for every malformed request would let anyone fill the log
+        http=connections.Http,
+        ws=connections.Socket,
+        ws_max_size=LONGEST,
+        timeout_graceful_shutdown=3,
+        ws_per_message_deflate=False,  # it shortens pictures little and takes its time where all wait for it
     )
     Server(how).run([listening])
 

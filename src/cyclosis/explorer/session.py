@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import json
 import struct
@@ -11,11 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..analysis.regimes import regime
+from ..config import Setup
 from ..dynamics.live import Live
 from ..dynamics.protocol import Change, Protocol, Step, change, step_from_table, wash_out
+from ..dynamics.schedule import Schedule
 from ..model.errors import InputError
+from ..model.grid import CylinderGrid
 from .messages import Brush
-from .setup import MOST_FRAMES, SetUp
+from .setup import MOST_FRAMES, SetUp, check_memory
 
 TRACES = ("order", "mean_P_theta", "mean_P_z", "peak_speed", "power_input")
 """What is recorded at every frame, after the time."""
@@ -25,16 +29,48 @@ DRUGS = {"cytochalasin": {"alpha_p": 0.0}, "inhibit_myosin": {"alpha_u": 0.0}}
 """What a drug makes of parameters: no bundling; filaments that no flow turns."""
 
 
-class Session:
-    """A cell under way. Raises `InputError` for a set-up that cannot be used."""
+Kind = tuple[tuple[int, int], frozenset[str], frozenset[str], bool]
+"""What compiled programs depend on: the grid, which parameters are fields or on ramps, and a cubic force."""
 
-    def __init__(self, setup: SetUp) -> None:
-        ready = setup.ready()
+
+def kinds(schedule: Schedule, grid: CylinderGrid, done: int = 0) -> set[Kind]:
+    """Return the kinds of a cell after some events and after the next."""
+    now = schedule.stages[done : done + 2]
+    return {(grid.shape, stage.fields, frozenset(stage.moving), stage.cubic) for stage in now}
+
+
+class Session:
+    """A cell under way. Raises `InputError` for a set-up that cannot be used.
+
+    `ready` is what `setup.ready()` returns, where that is known already.
+    """
+
+    def __init__(self, setup: SetUp, ready: Setup | None = None) -> None:
+        ready = ready or setup.ready()
         self.setup = setup
         self.live = Live(ready.params, ready.grid, ready.state, setup.every, ready.protocol)
         self.rates: list[tuple[float, float]] = []
         self.fresh: list[list[float]] = []
         self._record()
+
+    def kinds(self) -> set[Kind]:
+        """Return the kinds that computing on for a moment may need."""
+        schedule = self.live.course.schedule
+        return kinds(schedule, self.live.grid, schedule.done(self.live.t))
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the cell now."""
+        schedule = self.live.course.schedule
+        stage = schedule.stage(self.live.t)
+        return self.live.grid.shape, stage.fields, frozenset(stage.moving), stage.cubic
+
+    def rehearse(self) -> None:
+        """Compile what computing on and looking at the cell needs, and leave the cell as it is."""
+        double = copy.copy(self.live)
+        double.forward()
+        double.record()
+        double.flow()
 
     def forward(self) -> bool:
         """Compute on for a moment; return whether the next frame is reached."""
@@ -138,7 +174,9 @@ class Session:
     def _do(self, step: Step, steps: list[Step]) -> None:
         earlier = [each for each in steps if each.at <= step.at]
         later = [each for each in steps if each.at > step.at]
-        self.live.do(Protocol(*earlier, step, *later, seed=self.live.protocol.seed))
+        protocol = Protocol(*earlier, step, *later, seed=self.live.protocol.seed)
+        check_memory(protocol, self.live.grid)
+        self.live.do(protocol)
         self.rates = []
 
 

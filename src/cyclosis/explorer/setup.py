@@ -14,8 +14,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from .. import config
+from ..dynamics.protocol import Change, Protocol
 from ..model.definitions import INITIAL, defaults, definition
 from ..model.errors import InputError, number
+from ..model.grid import CylinderGrid
 
 FINEST = 128
 """Most grid points in either direction of a cell in the explorer."""
@@ -28,6 +30,8 @@ INTERVAL = replace(
     minimum=0.02,
     maximum=5.0,
 )
+MOST_PLACED = 2**20
+"""Grid points times steps where one changes parameters in a region: all then keep them as fields."""
 LONGEST_LINK, LONGEST_TEXT = 40_000, 200_000
 """Characters of a link, and of what is packed in it."""
 KIND = INITIAL[0].default
@@ -52,7 +56,9 @@ class SetUp:
 
     def ready(self) -> config.Setup:
         """Return the arguments of `simulate`. Raises `InputError` for what does not fit together."""
-        return config.setup(self.tables, list(self.steps))
+        ready = config.setup(self.tables, list(self.steps))
+        check_memory(ready.protocol, ready.grid)
+        return ready
 
     def filled(self) -> dict[str, dict[str, Any]]:
         """Return the tables with every default that has a value filled in."""
@@ -104,7 +110,7 @@ def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
         raise InputError("initial", tables["initial"], f"at most {FINEST} points or stripes", "use fewer")
     if any(isinstance(value, list | tuple) for value in tables["parameters"].values()):
         raise InputError("parameters", "a field", "numbers in the explorer", "use a step with where")
-    _refuse_paths(steps)
+    _refuse_dear(steps)
     end = number("t", t, 0.0, tables["run"][INTERVAL.name] * MOST_FRAMES, "begin again")
     return SetUp(tables, tuple(steps), end)
 
@@ -127,15 +133,28 @@ def from_link(link: str) -> SetUp:
     return from_tables(given, steps, t)
 
 
-def _refuse_paths(steps: Any) -> None:
-    """Refuse steps that would read a file of the server."""
+def check_memory(protocol: Protocol, grid: CylinderGrid) -> None:
+    """Raise `InputError` for a protocol that would take much memory."""
+    placed = any(isinstance(step, Change) and step.where is not None for step in protocol)
+    most, points = MOST_PLACED // (grid.n_theta * grid.n_z), f"{grid.n_theta} x {grid.n_z}"
+    if placed and len(protocol) > most:
+        rule = f"at most {most} on {points} points where a step changes parameters in a region"
+        raise InputError("steps", len(protocol), rule, "use fewer steps or points")
+
+
+def _refuse_dear(steps: Any) -> None:
+    """Refuse steps that would read a file of the server, or draw more random numbers than the grid takes."""
     if isinstance(steps, Mapping):
         if "path" in steps:
             raise InputError("path", steps["path"], "left out in the explorer", "use cyclosis run for images")
+        shape = steps.get("noise_grid")
+        if isinstance(shape, list | tuple) and any(isinstance(n, int) and n > FINEST for n in shape):
+            rule = f"at most {FINEST} x {FINEST} in the explorer"
+            raise InputError("noise_grid", shape, rule, "use cyclosis run for more")
         steps = list(steps.values())
     if isinstance(steps, list | tuple):
         for item in steps:
-            _refuse_paths(item)
+            _refuse_dear(item)
 
 
 def _without_none(value: Any) -> Any:

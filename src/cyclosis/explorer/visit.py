@@ -6,7 +6,6 @@ import asyncio
 import json
 import time as clock
 from collections.abc import Callable
-from concurrent.futures import Executor
 from typing import Any, Protocol
 
 from ..model.errors import InputError
@@ -14,6 +13,7 @@ from ..model.parameters import Parameters
 from . import messages, setup
 from .about import curves, preset
 from .session import Session
+from .work import Work
 
 WAITING = 64
 """Asks that may wait; beyond, the connection is read no further."""
@@ -21,6 +21,8 @@ UNSEEN = 2
 """Pictures that may be on their way before the page says that it has drawn one; one more after an action."""
 PATIENCE = 5.0
 """Seconds for which a cell goes on while the page draws nothing, as one in a hidden tab."""
+BEGINNING = 30.0
+"""Seconds within which a visitor begins a cell."""
 MOST_PICTURES = 30.0
 """Pictures sent in a second."""
 REFUSALS = 20
@@ -43,8 +45,8 @@ class Wire(Protocol):
 class Visit:
     """A visitor's session and its pace. `go` returns when the visitor leaves or is idle too long."""
 
-    def __init__(self, wire: Wire, pool: Executor, idle_seconds: float) -> None:
-        self.wire, self.pool, self.idle_seconds = wire, pool, idle_seconds
+    def __init__(self, wire: Wire, work: Work, idle_seconds: float) -> None:
+        self.wire, self.work, self.idle_seconds = wire, work, idle_seconds
         self.asks: asyncio.Queue[str] = asyncio.Queue(WAITING)
         self.session: Session | None = None
         self.preset: str | None = None
@@ -66,11 +68,12 @@ class Visit:
                     if ask == "":
                         return
                     await self._answer(ask)
-                elif clock.monotonic() - heard > self.idle_seconds:
+                elif clock.monotonic() - heard > self._patience():
                     words = "This cell was left alone for long and has ended: reload the page to go on."
                     await self._say(type="ended", sentence=words)
                     return
                 await self._onward()
+                await asyncio.sleep(0)  # asks that wait are not answered before those of others
         finally:
             reader.cancel()
             if self.curves is not None:
@@ -85,7 +88,7 @@ class Visit:
 
     async def _next_ask(self, heard: float) -> str | None:
         """Return the next ask, or None when it is time to compute."""
-        wait = self.idle_seconds - (clock.monotonic() - heard) + 0.1
+        wait = self._patience() - (clock.monotonic() - heard) + 0.1
         if self._moving():
             wait = self.due - clock.monotonic()
         if self._to_show():
@@ -96,6 +99,10 @@ class Visit:
             return await asyncio.wait_for(self.asks.get(), wait)
         except TimeoutError:
             return None
+
+    def _patience(self) -> float:
+        """Seconds for which a visitor may say nothing."""
+        return self.idle_seconds if self.session is not None else min(BEGINNING, self.idle_seconds)
 
     def _moving(self) -> bool:
         """Whether the cell goes on: someone waits for a time of it, or lets it play and still looks."""
@@ -114,7 +121,7 @@ class Visit:
             return
         if self._moving() and clock.monotonic() >= self.due:
             try:
-                arrived = await self._away(cell.forward)
+                arrived = await self.work.forward(cell)
             except InputError as error:
                 self.playing, self.catching_up = False, None
                 await self._refuse(error)
@@ -166,7 +173,7 @@ class Visit:
 
     async def _plain(self, what: str, cell: Session) -> None:
         if what == "hash":
-            await self._say(type="hash", t=cell.live.t, sha256=await self._away(cell.digest))
+            await self._say(type="hash", t=cell.live.t, sha256=await self.work.quickly(cell.digest))
         elif what == "curves":
             if self.curves is None or self.curves.done():  # they take seconds, in which the cell goes on
                 self.curves = asyncio.create_task(self._curves(cell.live.params_now))
@@ -189,7 +196,7 @@ class Visit:
             await self._tell()
 
     async def _curves(self, params: Parameters) -> None:
-        await self._say(type="curves", **await self._away(lambda: curves(params)))
+        await self._say(type="curves", **await self.work.slowly(lambda: curves(params)))
 
     async def _begin(self, ask: messages.Begin) -> None:
         if ask.link is not None:
@@ -201,7 +208,7 @@ class Visit:
             await self._open(setup.from_tables(ask.setup or {}), self.playing)
 
     async def _open(self, begun: setup.SetUp, playing: bool, name: str | None = None) -> None:
-        self.session = await self._away(lambda: Session(begun))
+        self.session = await self.work.opened(begun)
         self.preset, self.playing, self.due = name, playing, clock.monotonic()
         self.catching_up = begun.t if begun.t > 0 else None
         self.stale = True
@@ -209,13 +216,14 @@ class Visit:
 
     async def _act(self, cell: Session, what: Callable[[], None]) -> None:
         await self._to_frame(cell)
-        await self._away(what)
+        await self.work.quickly(what)
+        await self.work.known(cell)
         self.stale, self.acted, self.sent_at = True, True, 0.0
 
     async def _to_frame(self, cell: Session, once: bool = False) -> None:
         """Go on to the next frame, if the cell stands between two, or `once` in any case."""
         while once or not cell.live.at_frame:
-            if await self._away(cell.forward):
+            if await self.work.forward(cell):
                 return
 
     async def _tell(self, fresh: bool = False) -> None:
@@ -243,7 +251,7 @@ class Visit:
 
     async def _show(self) -> None:
         assert self.session is not None
-        picture = await self._away(self.session.picture)
+        picture = await self.work.quickly(self.session.picture)
         self.unseen, self.sent_at, self.stale = self.unseen + 1, clock.monotonic(), False
         self.acted = False
         await self.wire.show(picture)
@@ -253,7 +261,3 @@ class Visit:
 
     async def _say(self, **words: Any) -> None:
         await self.wire.say(json.dumps(words))
-
-    async def _away(self, work: Callable[[], Any]) -> Any:
-        """Compute in a thread of the pool, where nothing keeps other visitors waiting."""
-        return await asyncio.get_running_loop().run_in_executor(self.pool, work)

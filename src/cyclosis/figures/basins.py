@@ -86,6 +86,21 @@ def basins(
     `select` and `log` are as in `phase_diagram`, `width` is in millimetres; all quantities are dimensionless.
     Raises `InputError` for what is no sweep with initial_k0 and initial_m1, for more than two axes beside
     `filaments_per_square`, and where no point is in C/U.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.basins import basins
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"parameters": {"d_s": 0.1, "alpha_u": 0.1}, "grid": {"n_theta": 16, "n_z": 16}}
+        >>> axes = {"alpha_p": {"values": [0.5]}}  # where the initial state decides
+        >>> sweep = cy.Sweep.from_tables(tables | {"axes": axes, "ensemble": {"seeds": 8}})
+        >>> path = Store.create("basins", sweep).write(0, compute(sweep, 0))
+        >>> data = cy.open_sweep("basins")
+        >>> sorted({cy.REGIMES[code] for code in data["regime"].values.flat})
+        ['cyclosis', 'unidirectional']
+        >>> basins(data).get_size_inches().round(1)
+        array([7.1, 3. ])
     """
     sweep = swept(dataset, select, log, beside=(NUMBER,))
     found = members(sweep)

@@ -47,6 +47,15 @@ def bifurcation(
     are folds, branch points and Hopf points; those of waves along the cell are open. `measures` are keys of
     `Branch.measures`, or "drift". Dimensionless; `width` in millimetres. Raises `InputError` for other
     measures, for branches over different parameters, and for a logarithmic scale that reaches 0.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.bifurcation import bifurcation
+        >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
+        >>> branch = cy.stability.continue_branch(state, "kappa", (0.45, 0.5), length=None)
+        >>> figure = bifurcation([branch], measures=["max_P", "mean_P_theta"])
+        >>> len(figure.axes)
+        2
     """
     chosen = [choice("measure", measure, tuple(SYMBOLS)) for measure in measures]
     names = {branch.name for branch in branches}

@@ -70,6 +70,17 @@ def draw(
     to compare frames. `ribbons` are streamlines to draw instead of those found here.
     `pixels` is the number of colour samples across the diameter. Everything is dimensionless. Raises
     `InputError` for fields that do not match the grid.
+
+    Example:
+        >>> import matplotlib.figure
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import cylinder
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> P = cy.initial.stripes(grid)
+        >>> ax = matplotlib.figure.Figure().add_subplot()
+        >>> cylinder.draw(ax, grid, P, cy.flow(cy.Parameters(), grid, P), view_angle=0.0)
+        >>> len(ax.images) > 0
+        True
     """
     state, flow = grid.check_state(P), grid.check_state(u, "the flow")
     view_angle = number("view_angle", view_angle, -1e6, 1e6, "choose an angle in radians")

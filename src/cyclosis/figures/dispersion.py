@@ -47,6 +47,13 @@ def dispersion(
     fit a cell of the given `length`, open dots the perturbation that is uniform (k = 0), which drives no
     pressure and is not the limit of waves. All is dimensionless; `width` is in millimetres. Raises
     `InputError` as `growth_rates`; a column whose state does not exist says so.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import style
+        >>> from cyclosis.figures.dispersion import dispersion
+        >>> style.save(dispersion(cy.Parameters(alpha_p=0.5)), "dispersion.png").name
+        'dispersion.png'
     """
     chosen = list(bases)
     largest = number("largest", largest, 0.1, 1e3, "the default is 6")

@@ -42,6 +42,15 @@ def emergence(
     zone of the last frame; `tilt` (radians) is how far the viewer looks down; `width` is in millimetres.
     Colours, lines and strengths mean the same in all frames. Raises `InputError` for times outside the
     dataset, too few frames, or a dataset without fields.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import style
+        >>> from cyclosis.figures.emergence import emergence
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid, magnitude=0.5), t_end=2.0)
+        >>> style.save(emergence(run.to_dataset(), times=[0, 2], map_times=[2]), "emergence.png").name
+        'emergence.png'
     """
     grid = grid_of(dataset)
     dataset = at_hand(dataset)

@@ -44,6 +44,14 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
     stripes, lines are the steady state of `cyclosis.stability`, and their largest difference is stated.
     `width` is in millimetres; all quantities are dimensionless. Raises `InputError` for a dataset
     without fields or recorded quantities, or of a single time.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.history import history
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid, magnitude=0.5), t_end=4.0)
+        >>> history(run.to_dataset()).get_size_inches().round(1)
+        array([7.1, 3.9])
     """
     grid_of(dataset)
     for name in _NEEDED:

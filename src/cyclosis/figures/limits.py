@@ -26,6 +26,14 @@ def limits(found: Limits, near: Neighbourhood | None = None, width: float = WIDT
     Left, on a logarithmic scale: the threshold of stability, the fold below α_p = d_r + d_s, and what the
     motion of fronts gives; below it the ratio of threshold and front formula. Right, if `near` is given, the
     neighbourhood of α_p = d_r + d_s, where existence and stability part. Dimensionless; `width` in mm.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import style
+        >>> from cyclosis.figures.limits import limits
+        >>> found = cy.stability.limits(cy.Parameters(), [0.08, 0.1, 0.12])
+        >>> style.save(limits(found), "limits.png").name
+        'limits.png'
     """
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     with matplotlib.rc_context(TYPE):

@@ -56,6 +56,15 @@ def movie(
     `workers` processes draw, by default one per core; in a script that is not guarded by
     `if __name__ == "__main__":` give 1. Raises `InputError` for bad arguments, fewer than 2 saved
     frames, and places that cannot be written to.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.movie import movie
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid, magnitude=0.5), t_end=2.0)
+        >>> paths = movie(run.to_dataset(), "cell.gif", frames=2, seconds=1.0, height=180, workers=1)
+        >>> [path.name for path in paths]
+        ['cell.gif']
     """
     grid = grid_of(dataset)
     if dataset.sizes["time"] < 2:

@@ -57,6 +57,17 @@ def phase_diagram(
     scales, the others being linear; by default each is drawn as its values are spread. `width` is in
     millimetres; all quantities are dimensionless. Raises `InputError` for what is no sweep, for more than
     two axes, and for values that were not swept.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.phase_diagram import phase_diagram
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01, 0.02]}}, "ensemble": {"seeds": 2}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> path = Store.create("diagram", sweep).write(0, compute(sweep, 0))
+        >>> phase_diagram(cy.open_sweep("diagram")).get_size_inches().round(1)
+        array([7.1, 3.7])
     """
     sweep = swept(dataset, select, log)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")

@@ -67,6 +67,15 @@ def regime_map(
     Letters name the sets: where two states share a cell of the map, the initial state decides. With `theory`
     lines are the thresholds of `thresholds` over the same axes; then `curves`, further (name, x, y). `log`
     names the axes on logarithmic scales, by default as the values are spread. Dimensionless; `width` in mm.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import style
+        >>> from cyclosis.figures.regime_map import regime_map
+        >>> axes = ("alpha_p", [0.01, 0.02]), ("alpha_u", [0.0, 0.01])
+        >>> found = cy.stability.regime_map(cy.Parameters(), *axes)
+        >>> style.save(regime_map(found, theory=False), "map.png").name
+        'map.png'
     """
     width = number("width", width, 100.0, 1000.0, "choose a width in millimetres")
     names = None if log is None else set(log)

@@ -50,6 +50,17 @@ def regimes_and_time(
 
     `select` and `log` are as in `phase_diagram`, `width` is in millimetres. Raises `InputError` for what is
     no sweep with t_order, and for more than two axes.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.regime_maps import regimes_and_time
+        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store import Store
+        >>> tables = {"axes": {"alpha_p": {"values": [0.01, 0.02]}}, "ensemble": {"seeds": 2}}
+        >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
+        >>> path = Store.create("regimes", sweep).write(0, compute(sweep, 0))
+        >>> regimes_and_time(cy.open_sweep("regimes")).get_size_inches().round(1)
+        array([7.1, 3.9])
     """
     sweep = swept(dataset, select, log)
     times = sweep.variable("t_order")

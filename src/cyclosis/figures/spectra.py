@@ -29,7 +29,15 @@ _PROFILE, _HIGH, _BETWEEN = 46.0, 56.0, 5.0
 
 
 def profile(found: Profile, width: float = WIDTH) -> Figure:
-    """Return the figure of a steady state: polarity P and flow u around the cell, dimensionless."""
+    """Return the figure of a steady state: polarity P and flow u around the cell, dimensionless.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import spectra
+        >>> figure = spectra.profile(cy.stability.cyclosis(cy.Parameters(), n_theta=64))
+        >>> len(figure.axes)
+        2
+    """
     with matplotlib.rc_context(TYPE):
         figure = blank(width, _BELOW + _PROFILE + _ABOVE)
         across = (width - _LEFT - _RIGHT - _GAP) / 2
@@ -41,7 +49,15 @@ def profile(found: Profile, width: float = WIDTH) -> Figure:
 
 
 def drifting(found: Drifting, width: float = WIDTH) -> Figure:
-    """Return the figure of tilted stripes that rotate: both components of P and of u, dimensionless."""
+    """Return the figure of tilted stripes that rotate: both components of P and of u, dimensionless.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import spectra
+        >>> figure = spectra.drifting(cy.stability.drifting(cy.Parameters(kappa=0.2), n_theta=32))
+        >>> len(figure.axes)
+        2
+    """
     theta = np.append(found.theta, 2 * np.pi)
     with matplotlib.rc_context(TYPE):
         figure = blank(width, _BELOW + _PROFILE + _ABOVE)
@@ -65,6 +81,14 @@ def spectrum(found: Profile, modes: Modes, width: float = WIDTH) -> Figure:
 
     Full dots grow or decay, the open one is the neutral rotation; modes are their components (v_theta, v_z)
     over the angle, with the profile P behind. Dimensionless. `width` is in millimetres.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import spectra
+        >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
+        >>> figure = spectra.spectrum(state, state.spectrum(4))
+        >>> len(figure.axes)
+        5
     """
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     count = min(SHOWN, modes.eigenvalues.size)
@@ -99,6 +123,14 @@ def eigenvalues(branch: Branch, log: bool = False, width: float = WIDTH) -> Figu
     lies near zero. `log` draws the
     parameter on a logarithmic scale. Dimensionless; `width` in millimetres. Raises `InputError` for a
     logarithmic scale that reaches 0.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import spectra
+        >>> state = cy.stability.cyclosis(cy.Parameters(alpha_p=0.3), n_theta=64)
+        >>> branch = cy.stability.continue_branch(state, "alpha_u", (0.45, 0.55), length=None)
+        >>> len(spectra.eigenvalues(branch).axes)
+        2
     """
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     if log and branch.parameter.min() <= 0:

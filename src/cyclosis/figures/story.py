@@ -61,6 +61,16 @@ def story(
 
     All cylinders are seen from one side, on which the last shows a zone, unless `same_view` is False.
     Speeds are drawn on one scale. `width` is in millimetres. Raises `InputError` without panels.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.story import Cell, Panel, story
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> P = cy.initial.stripes(grid)
+        >>> cell = Cell("stripes", P, cy.flow(cy.Parameters(), grid, P), grid.length)
+        >>> figure = story([cell], [Panel(lambda ax: ax.plot([0, 1]))], text="An example.")
+        >>> len(figure.axes)
+        2
     """
     width = number("width", width, 100.0, 1000.0, "choose a width in millimetres")
     if not panels:

@@ -56,6 +56,17 @@ def streamlines(
     u/|u|, with u refined by Fourier and then by bilinear interpolation, from fixed seeds: the same flow
     gives the same lines. Everything is dimensionless, lengths in radii. Raises `InputError` for a
     mismatched flow.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.streamlines import streamlines
+        >>> grid = cy.CylinderGrid(16, 16)
+        >>> u = cy.flow(cy.Parameters(), grid, cy.initial.stripes(grid))
+        >>> lines = streamlines(grid, u, separation=0.5, length=1.0)
+        >>> max(line.arc_length for line in lines) < 1.01
+        True
+        >>> bool(max(abs(line.theta - line.theta[0]).max() for line in lines) < 1e-6)  # along the cell
+        True
     """
     flow = grid.check_state(u, "the flow")
     separation = number("separation", separation, 0.02, 3.0, "choose a distance in radii")

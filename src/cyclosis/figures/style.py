@@ -138,6 +138,15 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a figure as PNG (300 dpi) or PDF, by the suffix of `path`, and return the path.
 
     Raises `InputError` for other suffixes and for places that cannot be written to.
+
+    Example:
+        >>> from cyclosis.figures import style
+        >>> style.save(style.blank(80.0, 40.0), "empty.png").name
+        'empty.png'
+        >>> style.save(style.blank(80.0, 40.0), "empty.bmp")
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: path = 'empty.bmp' cannot be used: ...
     """
     target = Path(path)
     kind = target.suffix.lower()

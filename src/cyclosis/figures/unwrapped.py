@@ -31,6 +31,17 @@ def draw_map(
     theta runs from 0 to 2π to the right and z from 0 to the grid's length upwards, on one scale.
     Colours, lines and `peak_speed` are as in `cyclosis.figures.cylinder.draw`. Everything is
     dimensionless. Raises `InputError` for fields that do not match the grid.
+
+    Example:
+        >>> import matplotlib.figure
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.unwrapped import draw_map
+        >>> grid = cy.CylinderGrid(16, 16, length=5.0)
+        >>> P = cy.initial.stripes(grid)
+        >>> ax = matplotlib.figure.Figure().add_subplot()
+        >>> draw_map(ax, grid, P, cy.flow(cy.Parameters(), grid, P))
+        >>> [float(end) for end in ax.get_ylim()]
+        [0.0, 5.0]
     """
     paint_map(ax, grid, P, u, streamlines=streamlines, peak_speed=peak_speed)
     mark_edges(ax, grid)

@@ -32,6 +32,13 @@ class RegimeMap:
     `stable` (states, columns, rows) say how each state stands there, in the order of `names`; `cause`
     (states, columns, rows) in words which perturbation grows, empty where the state is stable. All other
     parameters as in `params`, in a cell of `length`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(d_r=0.025)
+        >>> found = cy.stability.regime_map(params, ("alpha_p", [0.01, 0.02]), ("alpha_u", [0.0, 0.01]))
+        >>> found.at(0.01, 0.0), found.stable.shape, dict(found.to_dataset().sizes)
+        (('disordered',), (6, 2, 2), {'state': 6, 'alpha_p': 2, 'alpha_u': 2})
     """
 
     x_name: str
@@ -104,6 +111,12 @@ def regime_map(
     Any parameter that is a number, or "length". Where the state of `states` cannot be had, because zones are
     too narrow to be resolved, it raises as that does. `progress` is called with the number of points done
     and that of all. Raises `InputError` for other names and for values out of range.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.regime_map(cy.Parameters(), ("alpha_p", [0.01, 0.02]), ("kappa", [0.2, 0.5]))
+        >>> found.at(0.02, 0.5), found.at(0.02, 0.2)  # α_p < d_r: flow alone can hold two stripes together
+        (('disordered', 'cyclosis'), ('disordered', 'cyclosis'))
     """
     (x_name, across), (y_name, up) = _axis("x", x), _axis("y", y)
     if x_name == y_name:

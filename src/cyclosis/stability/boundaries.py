@@ -45,6 +45,14 @@ class Limits:
     it; `stable` that above which they are stable against perturbations of P_z that do not vary along the
     cell. Their errors stand beside them; NaN where there is none. `front` is what the motion of fronts gives
     for `stable`. `values` are those of the parameter called `name`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.limits(cy.Parameters(), [0.1])
+        >>> found.exists.tolist(), bool(abs(found.front / found.stable - 1)[0] < 0.01)
+        ([0.0], True)
+        >>> sorted(found.to_dataset().data_vars)[:3]
+        ['exists', 'exists_error', 'front']
     """
 
     name: str
@@ -69,6 +77,12 @@ def limits(params: Parameters, values: npt.ArrayLike, name: str = "alpha_p") -> 
 
     `params` gives all other parameters; its alpha_u plays no part. Where there is no limit it is NaN.
     Raises `InputError` for values out of range, fields, and parameters with an oblique d.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.limits(cy.Parameters(), [0.1, 0.15], "alpha_p")
+        >>> found.stable.round(5)  # the more filaments bundle, the less flow is needed
+        array([0.00747, 0.0016 ])
     """
     choice("name", name, ALONG)
     check(params)

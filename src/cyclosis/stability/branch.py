@@ -30,6 +30,13 @@ class SpecialPoint:
     point of the branch; `sentence` says what happens. `axial_mode` is the wavenumber along the cell of the
     perturbation concerned, 0 for one that does not vary along it; `frequency` its angular frequency in a
     frame that drifts with the state; `ends` says that the branch stops here. Dimensionless.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
+        >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None)
+        >>> [(point.kind, round(point.value, 3), point.ends) for point in branch.points]
+        [('end', 0.4, True), ('branch point', 0.471, False), ('end', 0.6, True)]
     """
 
     kind: str
@@ -54,6 +61,16 @@ class Branch:
     is not told from zero; `unstable` (points,) counts those of the first kind that grow. `residual` (points,)
     is the largest |dP/dt + c P'| between grid points. `measures` holds numbers (points,) of each state.
     `points` lists what happens along the branch, and `start` is the point it was begun from.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
+        >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None)
+        >>> [point] = branch.of("branch point")
+        >>> round(point.value, 3), bool(branch.stable[0]), bool(branch.stable[-1])  # filaments tilt below it
+        (0.471, False, True)
+        >>> branch.holds(branch.state(0)), branch.states.shape[1:], branch.to_dataset().sizes["special"]
+        (True, (2, 64), 3)
     """
 
     name: str
@@ -89,6 +106,14 @@ class Branch:
         way. Where this branch ends in a more symmetric state, the result is such a state at a parameter
         value `size` times the width of the bounds away. Raises `InputError` for other points, for waves
         along the cell and oscillations, whose states one dimension cannot hold, and where nothing is found.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
+            >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None)
+            >>> tilted = branch.switch(branch.of("branch point")[0])
+            >>> bool(abs(tilted.P[0].mean()) > 1e-3), branch.holds(tilted)
+            (True, False)
         """
         size = number("size", size, -1.0, 1.0, "the default is 0.02")
         X = self._point(point.index)

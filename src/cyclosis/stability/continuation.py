@@ -55,6 +55,13 @@ def continue_branch(
     change of P together with that of the parameter, of which the whole range counts 1.
 
     Raises `InputError` for fields and for anything that is no such parameter, range or steady state.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(alpha_p=0.3), n_theta=64)
+        >>> branch = cy.stability.continue_branch(state, "alpha_u", (0.4, 0.6), length=None)
+        >>> branch.points[-1].sentence, bool(branch.stable.all())
+        ('End at alpha_u = 0.6: this is the end of the range.', True)
     """
     params, y, drift = _started(start)
     low, high = _range(params, parameter, bounds)

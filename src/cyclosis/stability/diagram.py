@@ -30,6 +30,14 @@ def diagram(
     `depth` is the number of times that a branch is left for another. At a pitchfork only one of two mirror
     images is followed. Branches whose states vary along the cell or oscillate are not: their points stand
     in `Branch.points`. All other arguments, and what is raised, are those of `continue_branch`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
+        >>> found = cy.stability.diagram(state, "kappa", (0.45, 0.5), length=None)
+        >>> tilts = [abs(branch.measures["mean_P_theta"]).max() for branch in found]
+        >>> [bool(tilt > 1e-3) for tilt in tilts]  # upright stripes, and those that branch off
+        [False, True]
     """
     depth = whole("depth", depth, 0, 10, "the default is 2")
     found = [continue_branch(start, parameter, bounds, **options)]

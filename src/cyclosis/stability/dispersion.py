@@ -42,6 +42,15 @@ def growth_rates(
     states exist `root` counts them, from 0 for the largest |P|, which is the default. `m` and `q` (...) are
     wavenumbers around and along the cell and broadcast; m = q = 0 is the uniform perturbation. Eigenvalues of
     `growth_matrix`, dimensionless. Raises `InputError` as that does.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.5, d_r=0.025, d_s=0.025, kappa=0.5)
+        >>> rates = cy.stability.growth_rates(params, "disorder", m=[0, 1, 2], q=0.0)
+        >>> rates.real.round(6)  # a - d_s m² of P_z, and κ less of P_theta
+        array([[ 0.475, -0.025],
+               [ 0.45 , -0.05 ],
+               [ 0.375, -0.125]])
     """
     matrix = growth_matrix(params, base, m, q, root)
     half = 0.5 * (matrix[..., 0, 0] - matrix[..., 1, 1])
@@ -62,6 +71,13 @@ def growth_matrix(
     at k = 0 with e_theta e_theta (nothing with `zero_theta_flux`) in place of (I - kk/k²) G. Raises
     `InputError` for fields, unknown bases, wavenumbers that are not finite, where there is no such state or
     root, and for an oblique d, which would turn an ordered state.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=1.0, alpha_u=0.5, d_r=0.025, kappa=0.6)
+        >>> matrix = cy.stability.growth_matrix(params, "unidirectional", 0, 0)
+        >>> matrix.real.diagonal().round(6)  # α_u P0² - κ of P_theta, and -2 (α_p - d_r) of P_z
+        array([-0.1125, -1.95  ])
     """
     check_numbers(params)
     waves = np.broadcast_arrays(_wavenumbers("m", m), _wavenumbers("q", q))
@@ -77,6 +93,11 @@ def unidirectional_order(params: Parameters, alpha_p: npt.ArrayLike | None = Non
 
     For `alpha_p` (...) in place of the parameters' own; NaN where α_p <= d_r and there is no such state.
     Raises `InputError` for fields, and if d repels along the cell.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.stability.unidirectional_order(cy.Parameters(d_r=0.025), [0.01, 0.1, 1.0]).round(4)
+        array([   nan, 0.866 , 0.9874])
     """
     _axial(params)
     alpha = np.asarray(params.alpha_p if alpha_p is None else alpha_p, dtype=np.float64)
@@ -90,6 +111,12 @@ def tilt_threshold(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> 
     For `alpha_p` (...) in place of the parameters' own. NaN where α_p <= d_r; infinite with
     `zero_theta_flux`. Filaments begin to turn towards the circumference; the end state may differ.
     Raises `InputError` as `unidirectional_order`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(kappa=0.5, d_r=0.025)
+        >>> float(cy.stability.tilt_threshold(params, 0.1).round(6))  # 0.5/(1 - 0.025/0.1)
+        0.666667
     """
     order = unidirectional_order(params, alpha_p)
     found: Array = params.kappa / order**params.force_exponent
@@ -104,6 +131,14 @@ def stripes_threshold(params: Parameters, alpha_p: npt.ArrayLike | None = None) 
     with a = α_p - d_r, of the wave m = 1, q = 0, which is the first of all m. For `alpha_p` (...) in place
     of the parameters' own. NaN where α_p <= d_r; infinite where d_r = 0. Raises `InputError` as
     `unidirectional_order`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.1, kappa=5.0)
+        >>> at = float(cy.stability.stripes_threshold(params))
+        >>> waves = cy.stability.growth_rates(params.replace(alpha_u=at), "unidirectional", [1, 2], 0.0)
+        >>> round(at, 4), [round(abs(float(rate)), 9) for rate in waves.real.max(axis=1)]  # m = 1 goes first
+        (0.3267, [0.0, 0.096875])
     """
     order = unidirectional_order(params, alpha_p)
     alpha = np.asarray(params.alpha_p if alpha_p is None else alpha_p, dtype=np.float64)

@@ -40,6 +40,15 @@ class Modes:
     `eigenvalues` (count,) are complex, the largest real part first, and the upper one of a conjugate pair;
     `modes` (count, 2, n_theta) are their (v_theta, v_z), of root mean square 1, the largest value of all
     real and positive; `theta` (n_theta,) are the angles in radians, `wavenumber` is q.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
+        >>> found = state.spectrum(3, axial_mode=1, length=5.0)
+        >>> found.eigenvalues.shape, found.modes.shape, round(found.wavenumber, 4)  # 2π/5
+        ((3,), (3, 2, 64), 1.2566)
+        >>> dict(found.to_dataset().sizes)
+        {'mode': 3, 'component': 2, 'theta': 64}
     """
 
     eigenvalues: Vector

@@ -35,6 +35,14 @@ def elliptic_profile(params: Parameters, theta: npt.ArrayLike, count: int = 2) -
 
     P turns upward at theta = 0. `params` are numbers, of which α_u plays no part. Raises `InputError`
     where there is no such state.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.5, alpha_u=0.0)
+        >>> found = cy.stability.cyclosis(params, n_theta=128)
+        >>> bool(np.allclose(cy.stability.elliptic_profile(params, found.theta), found.P, atol=1e-8))
+        True
     """
     k1 = complementary(params, count)
     a, k2 = params.alpha_p - params.d_r, 1 - k1
@@ -50,6 +58,13 @@ def elliptic_growth(params: Parameters, count: int = 2) -> float:
     The difference is taken exactly, so that all digits hold however small λ is. With more than two stripes
     it is the rate at which all that point up grow at the cost of all others. Raises `InputError` where
     there is no such state.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.2, alpha_u=0.0)
+        >>> modes = cy.stability.cyclosis(params, n_theta=64).spectrum(1, components="z")
+        >>> round(cy.stability.elliptic_growth(params), 6), round(float(modes.eigenvalues[0].real), 6)
+        (0.000132, 0.000132)
     """
     k1 = complementary(params, count)
     k2 = 1 - k1
@@ -62,6 +77,14 @@ def elliptic_rates(params: Parameters, count: int = 2) -> tuple[Array, Array]:
 
     In the order of the text above, largest first. d must lie along theta, where κ is not 0. Raises
     `InputError` where there is no such state.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.stability.elliptic import elliptic_rates
+        >>> params = cy.Parameters(alpha_p=0.2)
+        >>> axial, around = elliptic_rates(params)
+        >>> axial.shape, around.shape, abs(float(axial[0]) - cy.stability.elliptic_growth(params)) < 1e-12
+        ((5,), (3,), True)
     """
     k2 = 1 - complementary(params, count)
     unit = (params.alpha_p - params.d_r) / (1 + k2)
@@ -80,6 +103,12 @@ def front_threshold(params: Parameters, count: int = 2) -> float:
     count P0ⁿ⁺¹ δ/π, and with <u> = 0 the flow everywhere by as much the other way: it drives them back,
     against λ. Two stripes are then stable. Good where the zones are narrow. Raises `InputError` where there
     is no such state at α_u = 0.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.15)
+        >>> round(cy.stability.front_threshold(params) / cy.stability.threshold(params), 2)
+        1.0
     """
     rate = elliptic_growth(params, count)
     a = params.alpha_p - params.d_r
@@ -92,6 +121,13 @@ def complementary(params: Parameters, count: int = 2) -> float:
     """Return 1 - k² of the elliptic state, from K(k) (1 + k²)^½ = π (a/d_s)^½ / count.
 
     Raises `InputError` where there is no such state, and where 1 - k² is too small for a double.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.stability.elliptic import complementary
+        >>> narrow, wide = (complementary(cy.Parameters(alpha_p=x)) for x in (1.0, 0.1))
+        >>> narrow < wide
+        True
     """
     count = whole("count", count, 2, 1024, "choose an even number of stripes")
     if count % 2:

@@ -50,6 +50,12 @@ def stripe_modes(params: Parameters, count: int = 4, alpha_u: Iterable[float] = 
     """Return the `StripeModes` of `count` stripes at each α_u; `params.alpha_u` plays no part.
 
     Raises `InputError` for counts that are not even or larger than 32.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.stripe_modes(cy.Parameters(alpha_p=0.3), count=4, alpha_u=[0.0, 0.5])
+        >>> found.growth.shape, (found.unstable > 0).tolist()  # no flow makes four stripes stable
+        ((2, 3), [True, True])
     """
     problem = _problem(params, count)
     values = [number("alpha_u", value, 0.0, 1e3, "give numbers") for value in alpha_u]
@@ -71,6 +77,13 @@ def common_threshold(params: Parameters, count: int = 4) -> Threshold:
 
     Stripes more than two remain unstable above it. `params.alpha_u` plays no part. Raises `InputError` as
     `threshold`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.3)
+        >>> two, four = (cy.stability.common_threshold(params, count).alpha_u for count in (2, 4))
+        >>> round(four, 4), two < four
+        (0.0357, True)
     """
     coarse = _problem(params, count)
     fine = EqualStripes(params, count, next(size for size in SIZES if size > coarse.n))

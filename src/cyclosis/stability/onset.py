@@ -42,6 +42,14 @@ def neighbourhood(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> N
 
     `params` gives all else; its alpha_p and alpha_u play no part. Raises `InputError` for values out of
     range, as `corner`, and for a force that is not cubic.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> near = cy.stability.neighbourhood(cy.Parameters(d_r=0.025, d_s=0.025, mu=0.05), [0.05])
+        >>> near.exists.round(6), near.alpha_p  # α_p (1 + μ) at α_p = d_r + d_s
+        (array([0.0525]), array([0.05]))
+        >>> tuple(round(value, 4) for value in near.corner)
+        (0.0472, 0.0816)
     """
     check(params)
     if params.force_exponent != 2:

@@ -116,7 +116,7 @@ class Plane:
         with double():
             control = Control(*(np.float64(x) for x in (1e-4, 1e-10, 0.1, -1.0)))
             began = start(self.cell, self._spectrum(vector), np.float64(0.0))
-            end = advance(self.cell, control, began, np.float64(duration), np.int64(MOST_STEPS), True)
+            end = advance(self.cell, control, began, np.float64(duration), np.int64(MOST_STEPS))
             return self._flat(end.spectrum)
 
     def _spectrum(self, vector: Array) -> Any:

@@ -42,6 +42,15 @@ class Profile:
     `theta`, `P`, `u` (n_theta,) are the angles in radians, the axial polarity and the axial flow, with an
     indifferent zone at theta = 0 where P turns upward; `pressure_gradient` is Π₀; `residual` the largest
     |dP/dt| of the trigonometric interpolant on twice as many points; `count` the number of stripes.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=128)
+        >>> state.count, state.P.shape, state.widths.round(6), state.residual < 1e-6
+        (2, (128,), array([0.5, 0.5]), True)
+        >>> P, u = state.at([1.0], zone=1.0)
+        >>> bool(abs(P[0]) < 1e-9), sorted(state.to_dataset().data_vars)
+        (True, ['P', 'u'])
     """
 
     theta: Array
@@ -82,6 +91,13 @@ class Profile:
         (dimensionless), on the right-hand side of the simulation. With axial_mode 0 `components` may be
         "z", the paper's non-local Sturm-Liouville problem, or "theta". The neutral rotation is among
         them, with the eigenvalue 0. Raises `InputError` for settings out of range.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> state = cy.stability.cyclosis(cy.Parameters(alpha_p=0.2, alpha_u=0.5), n_theta=128)
+            >>> rates = state.spectrum(2, components="z").eigenvalues.real
+            >>> bool(abs(rates[0]) < 1e-6), bool(rates[1] < -1e-3)  # the neutral rotation; all else decays
+            (True, True)
         """
         return profile_modes(self.params, self.P, count, axial_mode, length, components)
 
@@ -106,6 +122,12 @@ def cyclosis(params: Parameters, n_theta: int = 256) -> Profile:
 
     `params` are numbers (fields are refused); the profile converges exponentially in `n_theta`. Raises
     `InputError` where no such state is found; disorder and uniform states are never returned.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.cyclosis(cy.Parameters(alpha_p=1.0, alpha_u=0.5))
+        >>> round(float(state.P.max()), 4), round(float(state.u.max()), 4)
+        (0.9916, 0.9714)
     """
     return stripes(params, 2, n_theta)
 
@@ -115,6 +137,11 @@ def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
 
     As `cyclosis`, for an even `count` of at least 2. The state is steady, not necessarily stable. Raises
     `InputError` where no such state is found.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.stability.stripes(cy.Parameters(), count=4, n_theta=128).widths.round(6)
+        array([0.25, 0.25, 0.25, 0.25])
     """
     n = whole("n_theta", n_theta, 16, 8192, "choose a number of points")
     count = whole("count", count, 2, n // 8, "choose an even number of stripes, or more points")
@@ -142,7 +169,16 @@ def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
 
 
 def check(params: Parameters) -> None:
-    """Refuse parameters under which stripes along the axis are no solution."""
+    """Refuse parameters under which stripes along the axis are no solution.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.stability.profile import check
+        >>> check(cy.Parameters(repulsion_angle=0.3))
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: repulsion_angle = 0.3 cannot be used: ...
+    """
     for name, value in params.items():
         if isinstance(value, np.ndarray):
             raise InputError(name, value, "one number for a profile", "simulate a cell with fields instead")

@@ -30,5 +30,5 @@ def relax(problem: Reduced, y: Array, duration: float) -> Relaxed:
     spectrum = problem.packed(y).reshape(problem.line.space.shape)
     with double():
         began = start(problem.line, spectrum, np.float64(0.0))
-        end = advance(problem.line, control, began, np.float64(duration), np.int64(MOST_STEPS), True)
+        end = advance(problem.line, control, began, np.float64(duration), np.int64(MOST_STEPS))
     return Relaxed(problem.from_packed(np.asarray(end.spectrum).ravel()), float(end.rate), bool(end.failed))

@@ -64,6 +64,14 @@ def unequal_branch(params: Parameters) -> UnequalBranch:
 
     Raises `InputError` where there is no such branch: somewhat below d_r + d_s equal stripes come to life in
     a fold, stable at once, and no state of unequal widths lies beside them.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.unequal_branch(cy.Parameters(alpha_p=0.15))
+        >>> found.P.shape == (found.alpha_u.size, found.theta.size), round(float(found.width[0]), 4)
+        (True, 0.5)
+        >>> bool(found.width[5] < 0.5), bool(found.growth[5] > 0)
+        (True, True)
     """
     check(params)
     even = _Even(params)
@@ -84,6 +92,12 @@ def unequal(params: Parameters, n_theta: int = 256) -> Profile:
     It is a saddle: stripes of widths less unequal than its `widths` become equal, others die. Raises
     `InputError` where there is none with two zones: below the threshold of stability, where any difference
     of widths grows, and far above it, where the narrow stripe has become a mere dip.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> state = cy.stability.unequal(cy.Parameters(alpha_p=0.3, alpha_u=0.1))
+        >>> bool(state.widths[1] < 0.5 < state.widths[0]), round(float(state.widths.sum()), 6)
+        (True, 1.0)
     """
     n = whole("n_theta", n_theta, 32, 2048, "choose a number of points")
     check(params)

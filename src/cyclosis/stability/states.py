@@ -61,6 +61,14 @@ def states(params: Parameters, length: float = LENGTH) -> dict[str, Standing]:
 
     Stripes are those that full order relaxes to, tilted ones those that a standard guess does. Raises
     `InputError` for fields, an oblique d, and lengths that are not above 0 and at most 200.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.states(cy.Parameters(alpha_p=0.02, d_r=0.025, alpha_u=0.01))
+        >>> [name for name, standing in found.items() if standing.stable]
+        ['disordered']
+        >>> found["cyclosis"]
+        Standing(exists=False, stable=False, cause='there is no such state')
     """
     length = number("length", length, 1e-6, LONGEST_CELL, "choose another length")
     found = {name: _uniform(params, base, length) for name, base in UNIFORM.items()}

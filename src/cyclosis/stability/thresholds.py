@@ -32,6 +32,12 @@ class Threshold:
     """The α_u above which two stripes exist, or are stable, and the error of that number, dimensionless.
 
     `cause` says what grows, or what ends, below it; `n_theta` is the finer number of points.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.threshold_with_error(cy.Parameters(alpha_p=0.15))
+        >>> found.cause, round(found.alpha_u, 6), found.error < 1e-6 * found.alpha_u
+        ('stripes of unequal widths', 0.001596, True)
     """
 
     alpha_u: float
@@ -54,6 +60,11 @@ def threshold(
 
     Where the state comes to life in a fold and is stable at once, it is the fold. Raises `InputError`
     where zones are too narrow to be resolved, and with `full` where the state is never stable.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> [round(cy.stability.threshold(cy.Parameters(alpha_p=x)), 6) for x in (0.1, 0.15, 0.3)]
+        [0.007472, 0.001596, 4.1e-05]
     """
     return threshold_with_error(params, full, length, n_theta).alpha_u
 
@@ -61,7 +72,14 @@ def threshold(
 def threshold_with_error(
     params: Parameters, full: bool = False, length: float = 5.0, n_theta: int | None = None
 ) -> Threshold:
-    """Return the `Threshold` of stability, see `threshold`."""
+    """Return the `Threshold` of stability, see `threshold`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.threshold_with_error(cy.Parameters(alpha_p=0.1))
+        >>> round(found.alpha_u, 5), found.error < 1e-8
+        (0.00747, True)
+    """
     coarse, fine = _problems(params, n_theta)
     lowest = stable_from(coarse)
     if flag("full", full):
@@ -77,12 +95,26 @@ def fold(params: Parameters) -> float:
     Below it there is no such state of any amplitude. At α_p = d_r + d_s, for the cubic force, it is the
     pitchfork α_p (1 + μ). `params.alpha_u` plays no part. Raises `InputError` for larger α_p, where the
     branch does not end.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> round(cy.stability.fold(cy.Parameters(alpha_p=0.05, mu=0.05)), 6)  # α_p (1 + μ) at d_r + d_s
+        0.0525
+        >>> round(cy.stability.fold(cy.Parameters(alpha_p=0.04)), 4)
+        0.1138
     """
     return fold_with_error(params).alpha_u
 
 
 def fold_with_error(params: Parameters) -> Threshold:
-    """Return the `Threshold` of existence, see `fold`."""
+    """Return the `Threshold` of existence, see `fold`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.fold_with_error(cy.Parameters(alpha_p=0.04))
+        >>> found.cause, round(found.alpha_u, 4), found.error < 1e-8
+        ('a fold of the branch', 0.1138, True)
+    """
     coarse, fine = _problems(params, None)
     onset = params.d_r + params.d_s
     if params.alpha_p > onset * (1 + 1e-12):
@@ -104,6 +136,12 @@ def destabilised(
     The search begins at `start`, where they must be stable (default: just above the full threshold), and
     ends at `most` with None if they still are. Raises `InputError` as `threshold`, and if the stripes
     are not stable at `start`.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.destabilised(cy.Parameters(alpha_p=0.3), start=0.4, most=0.5)
+        >>> found is None  # stable all the way
+        True
     """
     coarse, fine = _problems(params, None)
     most = number("most", most, 1e-6, 1e3, "the default is 10")

@@ -41,6 +41,14 @@ class Drifting:
     `theta` (n_theta,) in radians; `P` and `u` (2, n_theta), filament order and flow with components
     (theta, z); `residual` the largest |dP/dt + c P'| of the trigonometric interpolant on twice as many
     points. All dimensionless: lengths in R, speeds in U.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> found = cy.stability.drifting(cy.Parameters(kappa=0.2), n_theta=32)
+        >>> found.P.shape, found.u.shape, dict(found.to_dataset().sizes)
+        ((2, 32), (2, 32), {'component': 2, 'theta': 32})
+        >>> found.state(cy.CylinderGrid(32, 16)).shape
+        (2, 32, 16)
     """
 
     theta: Array
@@ -77,6 +85,13 @@ def drifting(
     way. A standard guess relaxes over `duration` and Newton's method does the rest, so what is found is
     stable along theta; others lie on the branch through it (`continue_branch`). Raises `InputError` for
     fields, and where stripes do not stay tilted or do not stay.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(kappa=0.2)
+        >>> right, left = (cy.stability.drifting(params, n_theta=32, hand=hand) for hand in ("right", "left"))
+        >>> bool(right.P[0].mean() > 0), bool(abs(right.drift + left.drift) < 1e-9)  # mirror images part
+        (True, True)
     """
     n = whole("n_theta", n_theta, 16, 8192, "choose a number of points")
     lean = 1 - 2 * (choice("hand", hand, HANDS) == "left")

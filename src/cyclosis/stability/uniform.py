@@ -32,6 +32,11 @@ BASES = ("disorder", "unidirectional", "circumferential")
 """The uniform states by name: P = 0, P = P0 e_z and P = P0 e_theta."""
 NEGLIGIBLE = 1e-12
 """Squares P0² no larger count as disorder."""
+KNOWN = {
+    *("alpha_p", "alpha_u", "epsilon", "d_s", "d_r", "kappa", "mu", "repulsion_angle"),
+    *("zero_theta_flux", "force_exponent"),
+}
+"""The parameters that closed forms know of."""
 OBLIQUE = 1e-12
 """Values of |sin φ_d| or |cos φ_d| no larger count as zero."""
 
@@ -55,6 +60,14 @@ def orders(params: Parameters, base: str) -> Array:
 
     `base` is one of `BASES`; disorder has the one root 0. Empty where there is no such state. Raises
     `InputError` for fields, and for an oblique d where it would turn the state.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params = cy.Parameters(alpha_p=0.5, d_r=0.025)
+        >>> cy.stability.orders(params, "unidirectional").round(6)  # (1 - d_r/α_p)^½
+        array([0.974679])
+        >>> cy.stability.orders(params.replace(alpha_p=0.02), "unidirectional").size
+        0
     """
     choice("base", base, BASES)
     check_numbers(params)
@@ -88,8 +101,10 @@ def uniform(params: Parameters, base: str, root: int | None = None) -> Uniform:
 
 
 def check_numbers(params: Parameters) -> None:
-    """Raise `InputError` if a parameter is a field."""
+    """Raise `InputError` if a parameter is a field, or one that acts and that closed forms do not know."""
     for name, value in params.items():
+        if name not in KNOWN and np.any(value):
+            raise InputError(name, value, "0 for a closed form, which does not know it", "set it to 0")
         if isinstance(value, np.ndarray):
             raise InputError(name, value, "one number for a closed form", "choose a number")
 

@@ -67,11 +67,11 @@ def run_sweep(
     `InputError` if the store holds another sweep or cannot be made.
 
     Example:
-        >>> import dask.distributed
+        >>> from dask.distributed import Client
         >>> import cyclosis as cy
         >>> tables = {"axes": {"alpha_p": {"values": [0.01, 0.02]}}, "ensemble": {"seeds": 2}}
         >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
-        >>> with dask.distributed.Client(processes=False, threads_per_worker=1, dashboard_address=None) as client:
+        >>> with Client(processes=False, threads_per_worker=1, dashboard_address=None) as client:
         ...     summary = cy.run_sweep(sweep, "weak", client)
         >>> summary.ok, summary.done, summary.regimes
         (True, 4, {'disordered': 4})

@@ -1,0 +1,112 @@
+"""A real server, real sockets and hostile clients: it answers, refuses in a sentence, and stays small."""
+
+import importlib.util
+import json
+import multiprocessing
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cyclosis.explorer.server import PAGE
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+SMALL = {"do": "begin", "setup": {"grid": {"n_theta": 16, "n_z": 16}}}
+
+
+def loaded(name):
+    """Return a module of the benchmarks."""
+    if name not in sys.modules:
+        found = importlib.util.spec_from_file_location(name, BENCHMARKS / f"{name}.py")
+        sys.modules[name] = importlib.util.module_from_spec(found)
+        found.loader.exec_module(sys.modules[name])
+    return sys.modules[name]
+
+
+clients = loaded("clients")
+attacks = loaded("attacks")
+hostile = loaded("hostile")
+
+
+@pytest.fixture(scope="module")
+def server():
+    if not (PAGE / "index.html").exists():
+        pytest.skip("the explorer's page is not built: install Node.js 20.19 or newer and run `make page`")
+    with hostile.server() as (port, process):
+        yield port, process
+
+
+@pytest.fixture
+def port(server):
+    """Yield the port; see afterwards that a visitor is served as before, and that memory has not grown."""
+    port, process = server
+    before = process.memory_info().rss
+    yield port
+    assert process.is_running()
+    assert clients.get(port, "/api/about")[0] == 200
+    end = time.monotonic() + 60
+    while True:
+        try:
+            with clients.visit(port) as wire:
+                wire.send(json.dumps(SMALL))
+                assert clients.said(wire, "cell")["t"] == 0.0
+            break
+        except clients.GONE:  # those who are gone may have asked for work that is still under way
+            assert time.monotonic() < end
+            time.sleep(0.2)
+    assert process.memory_info().rss - before < 300 * 2**20
+
+
+@pytest.mark.parametrize(
+    ("name", "answer"),
+    [
+        ("malformed", "closed, 1000"),
+        ("huge", "closed, 1009"),
+        ("bomb", "closed, 1002"),
+        ("fragments", "cut off"),
+        ("pings", "cut off"),
+        ("tiny", "cut off"),
+        ("strangers", "InvalidStatus"),
+        ("crowd", "This server holds 8 sessions and all are taken: try again later."),
+        ("unread", "read no further"),
+        ("bodies", "ConnectionResetError"),
+        ("abrupt", "served"),
+    ],
+)
+def test_a_hostile_client_is_answered_briefly(port, name, answer):
+    assert answer in attacks.ATTACKS[name](port, 1.0)
+
+
+def test_more_random_numbers_than_the_grid_takes_are_refused(port):
+    steps = [{"at": 0, "action": "fragment", "noise_grid": [8192, 8192]}]
+    with clients.visit(port) as wire:
+        clients.ask(wire, do="begin", link=clients.link_of(steps))
+        assert "at most 128 x 128 in the explorer" in clients.said(wire, "refused")["sentence"]
+
+
+def test_a_file_of_too_many_points_is_refused(port):
+    status, body = clients.get(
+        port, f"/api/export/run.nc?cell={clients.link_of([], 200.0, n_theta=128, n_z=128)}"
+    )
+    assert status == 400
+    assert "from 1 to 1000 in a file made here of 128 x 128 points" in json.loads(body)["sentence"]
+
+
+def test_a_protocol_that_would_take_much_memory_is_refused(port):
+    steps = [{"at": 0.1 * k, "action": "change", "d_s": 0.1} for k in range(99)]
+    steps[0] |= {"where": {"shape": "disc", "theta": 1, "z": 1, "radius": 1}, "alpha_p": 0.5}
+    del steps[0]["d_s"]
+    with clients.visit(port) as wire:
+        clients.ask(wire, do="begin", link=clients.link_of(steps, n_theta=128, n_z=128))
+        assert "at most 64 on 128 x 128 points" in clients.said(wire, "refused")["sentence"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["none", *attacks.ATTACKS])
+def test_no_attack_keeps_a_visitor_waiting_for_a_second(server, name, monkeypatch):
+    monkeypatch.setattr(multiprocessing, "Process", multiprocessing.get_context("spawn").Process)
+    port, process = server
+    _, wait, growth = hostile.under(name, port, process, 6.0)
+    assert wait < 1.0
+    assert growth < 500
