@@ -53,7 +53,7 @@ def rate_of_change(
     precision: str = "float64",
     **values: Any,
 ) -> jax.Array:
-    """Return dP/dt of a state P, both (2, n_theta, n_z), dimensionless; see `flow` for `values`.
+    """Return dP/dt of a state P, both (2, n_theta, n_z), dimensionless; `values` and errors as in `flow`.
 
     Example:
         >>> import jax

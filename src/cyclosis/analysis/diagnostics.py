@@ -69,7 +69,10 @@ def _gradient_energy(cell: System, now: Moment) -> Any:
 
 
 def tail(cell: System, energy: jax.Array) -> Any:
-    """Return the amplitude in the spectral tail over that of all modes, from the energy of each mode.
+    """Return the amplitude in the spectral tail over that of all modes, dimensionless (traceable).
+
+    (Σ beyond / Σ all)^½ of `energy` (n_theta, n_z), the share of each mode in a mean square; beyond are
+    those with |m| or |q| above `TAIL_FRACTION` of the largest.
 
     Example:
         >>> import numpy as np
@@ -179,7 +182,7 @@ QUANTITIES = (
 
 @jax.jit
 def measure(cell: System, spectrum: Any, time: Any) -> dict[str, Any]:
-    """Return every quantity of a packed spectrum, by name (traceable).
+    """Return every quantity of a packed spectrum (n_theta, n_z), by name, dimensionless (traceable).
 
     Example:
         >>> import cyclosis as cy

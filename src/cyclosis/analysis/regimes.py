@@ -74,7 +74,7 @@ def regime(
     terms: Iterable[TermLike] | None = None,
     time: float = 0.0,
 ) -> Regime:
-    """Return the `Regime` of a state (2, n_theta, n_z).
+    """Return the `Regime` of a state (2, n_theta, n_z), dimensionless.
 
     The first criterion that holds gives the name:
 

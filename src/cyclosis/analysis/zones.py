@@ -17,7 +17,7 @@ DISORDER = 0.05
 
 @dataclass(frozen=True)
 class Zone:
-    """One closed or winding line P_z = 0 on the periodic surface.
+    """One closed or winding line P_z = 0 on the periodic surface; angles in radians, lengths in radii.
 
     `theta` and `z` are the unwrapped coordinates along it (they leave the fundamental domain where
     the line crosses its edge); `winding` counts its turns (around the axis, along the axis): (0, ±1)
@@ -112,7 +112,7 @@ def zone_angles(profile: npt.ArrayLike) -> Array:
     """Return the angles in [0, 2π) at which a periodic profile over theta changes sign.
 
     The profile (n_theta,) is read as its trigonometric interpolant, so that the angles of a resolved
-    profile are exact to rounding. Sorted; dimensionless (radians).
+    profile are exact to rounding. Sorted; in radians. Empty where there is no change of sign.
 
     Example:
         >>> import numpy as np

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 def to_dataset(run: Trajectory) -> xarray.Dataset:
-    """Return a trajectory as an `xarray.Dataset` in memory, as a file of it would be read.
+    """Return a trajectory as an `xarray.Dataset` in memory, as a file of it would be read: all of unit 1.
 
     Example:
         >>> import cyclosis as cy

@@ -36,8 +36,8 @@ LONGEST = 50_000
 def change(at: float, *, over: float = 0.0, where: Region | None = None, **values: Any) -> Step:
     """Return the step that gives parameters other values at a time, or linearly from then on over a time.
 
-    In a region only `alpha_p`, `alpha_u`, `kappa` and `repulsion_angle` can change. Raises `InputError` for
-    values that `Parameters` would refuse.
+    `at` and `over` are in R/U, here and below. In a region only `alpha_p`, `alpha_u`, `kappa` and
+    `repulsion_angle` can change. Raises `InputError` for values that `Parameters` would refuse.
 
     Example:
         >>> import cyclosis as cy
@@ -62,7 +62,8 @@ def fragment(
 ) -> Step:
     """Return the step that sets P to fresh disorder: normal, of variance 1/(2N) in either component.
 
-    Where |P| would exceed 1 it is scaled back to 1. See `Protocol` for how random numbers are drawn.
+    Where |P| would exceed 1 it is scaled back to 1. See `Protocol` for how random numbers are drawn. Raises
+    `InputError` for values out of range.
 
     Example:
         >>> import cyclosis as cy
@@ -74,7 +75,7 @@ def fragment(
 
 
 def depolymerise(at: float, *, keep: float = 0.0, where: Region | None = None) -> Step:
-    """Return the step that multiplies P by `keep`, from 0 to 1.
+    """Return the step that multiplies P by `keep`, from 0 to 1; others raise `InputError`.
 
     Example:
         >>> import cyclosis as cy
@@ -89,6 +90,8 @@ def depolymerise(at: float, *, keep: float = 0.0, where: Region | None = None) -
 
 def align(at: float, *, angle: float, magnitude: float = 0.9, where: Region | None = None) -> Step:
     """Return the step that sets P to one direction, `angle` radians from e_theta: π/2 is up the cell.
+
+    Raises `InputError` for values out of range.
 
     Example:
         >>> import math
@@ -112,7 +115,8 @@ def noise(
 ) -> Step:
     """Return the step that adds normal noise of standard deviation `size` to either component of P.
 
-    Where |P| would exceed 1 it is scaled back to 1. See `Protocol` for how random numbers are drawn.
+    Where |P| would exceed 1 it is scaled back to 1. See `Protocol` for how random numbers are drawn. Raises
+    `InputError` for values out of range.
 
     Example:
         >>> import cyclosis as cy
@@ -126,7 +130,7 @@ def noise(
 def wash_out(at: float, *, over: float = 0.0) -> Step:
     """Return the step that returns all parameters to those of the run, at once or linearly over a time.
 
-    What is true or false (`zero_theta_flux`) returns at once.
+    What is true or false (`zero_theta_flux`) returns at once. Raises `InputError` for times out of range.
 
     Example:
         >>> import cyclosis as cy
@@ -141,7 +145,7 @@ def wash_out(at: float, *, over: float = 0.0) -> Step:
 
 @dataclass(frozen=True, init=False)
 class Protocol:
-    """Steps in the order of their times, and the seed of their random numbers.
+    """Steps in the order of their times (dimensionless, R/U), and the seed of their random numbers.
 
     A step of seed k (by default 1, 2, ... for the random steps in turn) draws from
     `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the

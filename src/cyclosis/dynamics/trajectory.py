@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Status(StrEnum):
-    """How a run ended.
+    """How a run ended: a text, with its `meaning`.
 
     Example:
         >>> import cyclosis as cy

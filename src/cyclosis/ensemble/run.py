@@ -77,7 +77,7 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
 
 
 def default_lanes(grid: CylinderGrid, precision: str) -> int:
-    """Return how many lanes suit the device that JAX computes on.
+    """Return how many lanes suit the device that JAX computes on: one on a CPU, else what 8 GiB hold.
 
     Example:
         >>> import cyclosis as cy

@@ -121,7 +121,7 @@ def interpolate(values: npt.ArrayLike, shape: tuple[int, int]) -> Array:
 
     Trigonometric interpolation: modes that both grids resolve are kept exactly, all others (among them
     the Nyquist modes of either grid, whose sign is ambiguous) are dropped. The result has `shape` as
-    its last two dimensions. Onto the same shape it is an exact copy.
+    its last two dimensions. Onto the same shape it is an exact copy. Values keep their unit.
 
     Example:
         >>> import numpy as np

@@ -23,7 +23,8 @@ def noise(
     P_theta and P_z are independent and normal with mean 0 and variance 1/(2N), drawn by
     `numpy.random.default_rng(seed).normal(size=(2, n_theta, n_z))` on `noise_grid` (default: the
     grid itself) and interpolated spectrally where the two differ, so that one seed means one state on
-    every grid. Source: Woodhouse & Goldstein 2013, Materials and Methods.
+    every grid. Shape (2, n_theta, n_z). Raises `InputError` for settings out of range. Source: Woodhouse &
+    Goldstein 2013, Materials and Methods.
 
     Example:
         >>> import cyclosis as cy
@@ -41,7 +42,7 @@ def noise(
 def standard_noise(
     grid: CylinderGrid, rng: np.random.Generator, noise_grid: tuple[int, int] | None = None
 ) -> Array:
-    """Return independent normal numbers of variance 1 at every point of `noise_grid`, see `noise`.
+    """Return normal numbers (2, n_theta, n_z), independent and of variance 1 on `noise_grid`; see `noise`.
 
     Example:
         >>> import numpy as np
@@ -95,6 +96,8 @@ def with_noise(
 def unidirectional(grid: CylinderGrid, magnitude: float = 0.9) -> Array:
     """Return P = `magnitude` e_z everywhere (the steady state has P0² = 1 - d_r/alpha_p).
 
+    Raises `InputError` for a magnitude that is not from 0 to 1, as do the two below.
+
     Example:
         >>> import numpy as np
         >>> import cyclosis as cy
@@ -125,6 +128,8 @@ def circumferential(grid: CylinderGrid, magnitude: float = 0.9) -> Array:
 
 def stripes(grid: CylinderGrid, count: int = 2, magnitude: float = 0.9) -> Array:
     """Return `count` stripes of equal width along the cell: P_z = magnitude sin(count theta / 2).
+
+    Raises `InputError` for a count that is odd or that the grid does not resolve.
 
     Example:
         >>> import cyclosis as cy

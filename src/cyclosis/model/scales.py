@@ -209,6 +209,7 @@ def layer_mu(thickness_to_radius: float, no_slip_walls: int = 1) -> float:
     """Return μ* = (h/R)²/3 (one no-slip wall) or (h/R)²/12 (two) of a layer of thickness h.
 
     The paper's μ* = 0.05 means h/R = 0.39 or 0.77: a representative value, not literally a thin layer.
+    Dimensionless. Raises `InputError` for a thickness that is not positive and other numbers of walls.
 
     Example:
         >>> from cyclosis.model.scales import layer_mu

@@ -51,7 +51,7 @@ def elliptic_profile(params: Parameters, theta: npt.ArrayLike, count: int = 2) -
 
 
 def elliptic_growth(params: Parameters, count: int = 2) -> float:
-    """Return the rate at which widths of stripes grow unequal at α_u = 0, the largest of all for P_z.
+    """Return the rate (per R/U) at which widths of stripes grow unequal at α_u = 0, the largest of P_z.
 
         λ = a [2 (1 - k² + k⁴)^½ - (1 + k²)]/(1 + k²)    →    96 a exp(-2π (a/2d_s)^½) for two narrow zones
 

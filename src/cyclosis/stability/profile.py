@@ -169,7 +169,7 @@ def stripes(params: Parameters, count: int = 2, n_theta: int = 256) -> Profile:
 
 
 def check(params: Parameters) -> None:
-    """Refuse parameters under which stripes along the axis are no solution.
+    """Raise `InputError` for parameters under which stripes along the axis are no solution.
 
     Example:
         >>> import cyclosis as cy

@@ -72,7 +72,7 @@ def threshold(
 def threshold_with_error(
     params: Parameters, full: bool = False, length: float = 5.0, n_theta: int | None = None
 ) -> Threshold:
-    """Return the `Threshold` of stability, see `threshold`.
+    """Return the `Threshold` of stability, see `threshold`, and for what it raises.
 
     Example:
         >>> import cyclosis as cy
@@ -107,7 +107,7 @@ def fold(params: Parameters) -> float:
 
 
 def fold_with_error(params: Parameters) -> Threshold:
-    """Return the `Threshold` of existence, see `fold`.
+    """Return the `Threshold` of existence, see `fold`, and for what it raises.
 
     Example:
         >>> import cyclosis as cy

@@ -79,7 +79,7 @@ class Drifting:
 def drifting(
     params: Parameters, n_theta: int = 128, hand: str = "right", duration: float = 200.0
 ) -> Drifting:
-    """Return the two tilted stripes that drift about the axis, profile and speed together.
+    """Return the two tilted stripes that drift about the axis, profile and speed (in U) together.
 
     `hand` is "right" for a mean P_theta above zero and "left" for its mirror image, which drifts the other
     way. A standard guess relaxes over `duration` and Newton's method does the rest, so what is found is

@@ -267,7 +267,7 @@ def _description(sweep: Sweep) -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what computes and stores.
+    """Return the versions of what computes and stores, by the names of the packages.
 
     Example:
         >>> from cyclosis.sweep.store import versions

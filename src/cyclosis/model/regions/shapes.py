@@ -113,7 +113,7 @@ class Box(Region):
 
 @dataclass(frozen=True)
 class Disc(Region):
-    """All points within `radius` of (theta, z), measured on the surface.
+    """All points within `radius` of (theta, z), measured on the surface; radians and radii.
 
     Example:
         >>> import cyclosis as cy
@@ -290,6 +290,9 @@ class Intersection(_Combined):
 def box(theta0: float, theta1: float, z0: float, z1: float) -> Region:
     """Return the region theta0 <= theta < theta1, z0 <= z < z1; a first end beyond the second goes round.
 
+    Raises `InputError` for ends that are equal or out of range; `mask` does for a region that is not on the
+    cell. The same holds for the functions below.
+
     Example:
         >>> import cyclosis as cy
         >>> where = cy.regions.box(6.0, 0.3, 1.0, 2.0).mask(cy.CylinderGrid(64, 64))  # across theta = 0
@@ -300,7 +303,7 @@ def box(theta0: float, theta1: float, z0: float, z1: float) -> Region:
 
 
 def disc(theta: float, z: float, radius: float) -> Region:
-    """Return all points within `radius` of (theta, z), measured on the surface.
+    """Return all points within `radius` (in radii of the cell) of (theta, z), measured on the surface.
 
     Example:
         >>> import cyclosis as cy
