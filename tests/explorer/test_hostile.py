@@ -1,5 +1,6 @@
 """A real server, real sockets and hostile clients: it answers, refuses in a sentence, and stays small."""
 
+import asyncio
 import importlib.util
 import json
 import multiprocessing
@@ -7,9 +8,12 @@ import sys
 import time
 from pathlib import Path
 
+import jax
 import pytest
 
+from cyclosis.explorer import setup, work
 from cyclosis.explorer.server import PAGE
+from cyclosis.model.errors import InputError
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 SMALL = {"do": "begin", "setup": {"grid": {"n_theta": 16, "n_z": 16}}}
@@ -100,6 +104,21 @@ def test_a_protocol_that_would_take_much_memory_is_refused(port):
     with clients.visit(port) as wire:
         clients.ask(wire, do="begin", link=clients.link_of(steps, n_theta=128, n_z=128))
         assert "at most 64 on 128 x 128 points" in clients.said(wire, "refused")["sentence"]
+
+
+def test_more_kinds_of_cell_than_there_is_memory_for_wait_until_others_have_left(monkeypatch):
+    cleared = []
+    monkeypatch.setattr(jax, "clear_caches", lambda: cleared.append(True))
+    monkeypatch.setattr(work, "_known", {((8, 8), frozenset(), frozenset(), True)})
+    monkeypatch.setattr(work, "MOST_KINDS", 1)
+    shared, begun = work.Work(1), setup.from_tables(SMALL["setup"])
+    shared.visits = 2
+    with pytest.raises(InputError, match="while others are here"):
+        asyncio.run(shared.opened(begun))
+    shared.visits = 1
+    assert asyncio.run(shared.opened(begun)).kind in work._known
+    assert cleared
+    shared.end()
 
 
 @pytest.mark.slow

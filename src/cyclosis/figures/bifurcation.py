@@ -52,7 +52,7 @@ def bifurcation(
         >>> import cyclosis as cy
         >>> from cyclosis.figures.bifurcation import bifurcation
         >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
-        >>> branch = cy.stability.continue_branch(state, "kappa", (0.45, 0.5), length=None)
+        >>> branch = cy.stability.continue_branch(state, "kappa", (0.45, 0.5), length=None, longest=0.1)
         >>> figure = bifurcation([branch], measures=["max_P", "mean_P_theta"])
         >>> len(figure.axes)
         2

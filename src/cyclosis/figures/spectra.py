@@ -128,7 +128,7 @@ def eigenvalues(branch: Branch, log: bool = False, width: float = WIDTH) -> Figu
         >>> import cyclosis as cy
         >>> from cyclosis.figures import spectra
         >>> state = cy.stability.cyclosis(cy.Parameters(alpha_p=0.3), n_theta=64)
-        >>> branch = cy.stability.continue_branch(state, "alpha_u", (0.45, 0.55), length=None)
+        >>> branch = cy.stability.continue_branch(state, "alpha_u", (0.45, 0.55), length=None, longest=0.1)
         >>> len(spectra.eigenvalues(branch).axes)
         2
     """

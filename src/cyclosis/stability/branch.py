@@ -34,7 +34,7 @@ class SpecialPoint:
     Example:
         >>> import cyclosis as cy
         >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
-        >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None)
+        >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None, longest=0.1)
         >>> [(point.kind, round(point.value, 3), point.ends) for point in branch.points]
         [('end', 0.4, True), ('branch point', 0.471, False), ('end', 0.6, True)]
     """
@@ -65,7 +65,7 @@ class Branch:
     Example:
         >>> import cyclosis as cy
         >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
-        >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None)
+        >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None, longest=0.1)
         >>> [point] = branch.of("branch point")
         >>> round(point.value, 3), bool(branch.stable[0]), bool(branch.stable[-1])  # filaments tilt below it
         (0.471, False, True)
@@ -110,7 +110,7 @@ class Branch:
         Example:
             >>> import cyclosis as cy
             >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
-            >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None)
+            >>> branch = cy.stability.continue_branch(state, "kappa", (0.4, 0.6), length=None, longest=0.1)
             >>> tilted = branch.switch(branch.of("branch point")[0])
             >>> bool(abs(tilted.P[0].mean()) > 1e-3), branch.holds(tilted)
             (True, False)

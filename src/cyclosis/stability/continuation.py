@@ -59,7 +59,7 @@ def continue_branch(
     Example:
         >>> import cyclosis as cy
         >>> state = cy.stability.cyclosis(cy.Parameters(alpha_p=0.3), n_theta=64)
-        >>> branch = cy.stability.continue_branch(state, "alpha_u", (0.4, 0.6), length=None)
+        >>> branch = cy.stability.continue_branch(state, "alpha_u", (0.4, 0.6), length=None, longest=0.1)
         >>> branch.points[-1].sentence, bool(branch.stable.all())
         ('End at alpha_u = 0.6: this is the end of the range.', True)
     """

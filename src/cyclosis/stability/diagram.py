@@ -34,7 +34,7 @@ def diagram(
     Example:
         >>> import cyclosis as cy
         >>> state = cy.stability.cyclosis(cy.Parameters(kappa=0.5), n_theta=64)
-        >>> found = cy.stability.diagram(state, "kappa", (0.45, 0.5), length=None)
+        >>> found = cy.stability.diagram(state, "kappa", (0.45, 0.5), length=None, longest=0.1)
         >>> tilts = [abs(branch.measures["mean_P_theta"]).max() for branch in found]
         >>> [bool(tilt > 1e-3) for tilt in tilts]  # upright stripes, and those that branch off
         [False, True]
