@@ -37,7 +37,6 @@ def page() -> str:
         reference=f"{max(case['error of the reference'] for case in cases):.0e}",
         dedalus_low=_times(min(ours_ahead)),
         dedalus_high=_times(max(ours_ahead)),
-        hundred=", not a hundred" if max(ours_ahead) < 100 else "",
         ensemble_length=data["ensemble"]["length"],
         ensemble_t=f"{data['ensemble']['t']:g}",
         agreement_t=f"{data['agreement']['t']:g}",

@@ -24,9 +24,9 @@ def measured(worker: Worker, n, length, step, how, t_end, fine) -> dict:
 
 def cheapest(worker: Worker, code: Code, length: float, t_end: float, fine, sizes=SIZES) -> list[dict]:
     """Return all that was tried, the cheapest setting that is accurate enough first."""
-    tried = []
+    tried, best = [], math.inf
     for variant, how in code.variants.items():
-        best, begin, steps = math.inf, 0, code.steps(how)
+        begin, steps = 0, code.steps(how)
         for n in sizes:
             before = math.inf
             # What was too coarse a step on the grid before hardly suits a finer one.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -142,8 +143,8 @@ def application(limits: Limits | None = None) -> FastAPI:
         work.visits += 1
         try:
             await Visit(_Wire(socket), work, allowed.idle_seconds).go()
-        except (ConnectionError, TimeoutError, RuntimeError, WebSocketDisconnect):
-            pass  # the visitor left, or cannot be served
+        except (ConnectionError, TimeoutError, RuntimeError, WebSocketDisconnect, asyncio.CancelledError):
+            pass  # the visitor left, cannot be served, or the server ends
         finally:
             work.visits -= 1
             with contextlib.suppress(Exception):
@@ -176,6 +177,8 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None 
     except OSError as error:
         rule = f"a free place to listen ({error.strerror})"
         raise InputError("host and port", f"{host}:{port}", rule, "choose another with --port") from error
+
+    sys.setswitchinterval(0.001)  # the thread that answers waits for those that compute
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: Any = None) -> None:

@@ -133,9 +133,14 @@ def from_link(link: str) -> SetUp:
     return from_tables(given, steps, t)
 
 
+def is_placed(protocol: Protocol) -> bool:
+    """Whether a step changes parameters in a region, so that all after it keep them as fields."""
+    return any(isinstance(step, Change) and step.where is not None for step in protocol)
+
+
 def check_memory(protocol: Protocol, grid: CylinderGrid) -> None:
     """Raise `InputError` for a protocol that would take much memory."""
-    placed = any(isinstance(step, Change) and step.where is not None for step in protocol)
+    placed = is_placed(protocol)
     most, points = MOST_PLACED // (grid.n_theta * grid.n_z), f"{grid.n_theta} x {grid.n_z}"
     if placed and len(protocol) > most:
         rule = f"at most {most} on {points} points where a step changes parameters in a region"

@@ -216,8 +216,7 @@ class Visit:
 
     async def _act(self, cell: Session, what: Callable[[], None]) -> None:
         await self._to_frame(cell)
-        await self.work.quickly(what)
-        await self.work.known(cell)
+        await self.work.act(cell, what)
         self.stale, self.acted, self.sent_at = True, True, 0.0
 
     async def _to_frame(self, cell: Session, once: bool = False) -> None:
