@@ -150,7 +150,7 @@ def regions(port: int, seconds: float) -> str:
     """Begin cells whose parameters change from place to place, and do more."""
     where = {"shape": "disc", "theta": 1, "z": 1, "radius": 1}
     values = {"alpha_p": 0.5, "alpha_u": 0.1, "kappa": 0.2, "repulsion_angle": 1, "where": where}
-    steps = [{"at": 100 + 0.1 * k, "action": "change"} | values for k in range(60)]
+    steps = [{"at": 100 + 0.1 * k, "action": "change"} | values for k in range(28)]
     begin = {"do": "begin", "link": link_of(steps, n_theta=128, n_z=128)}
     asks = [begin, *({"do": "change", "values": {"alpha_u": 0.1 * k}} for k in range(1, 5))]
     return together(lambda port, end: repeated(port, end, *asks, wait="all"), port, seconds)

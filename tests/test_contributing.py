@@ -228,6 +228,8 @@ from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 from .experiment import AGREES, DOES_NOT, Experiment, Verdict
 
+pytestmark = pytest.mark.slow
+
 
 def measure(lab):
     grid, orders = CylinderGrid(16, 16, 5.0), []

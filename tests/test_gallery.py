@@ -6,6 +6,8 @@ from pathlib import Path
 import PIL.Image
 import pytest
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 

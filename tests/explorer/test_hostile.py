@@ -103,7 +103,7 @@ def test_a_protocol_that_would_take_much_memory_is_refused(port):
     del steps[0]["d_s"]
     with clients.visit(port) as wire:
         clients.ask(wire, do="begin", link=clients.link_of(steps, n_theta=128, n_z=128))
-        assert "at most 64 on 128 x 128 points" in clients.said(wire, "refused")["sentence"]
+        assert "at most 32 on 128 x 128 points" in clients.said(wire, "refused")["sentence"]
 
 
 def test_more_kinds_of_cell_than_there_is_memory_for_wait_until_others_have_left(monkeypatch):

@@ -30,7 +30,7 @@ INTERVAL = replace(
     minimum=0.02,
     maximum=5.0,
 )
-MOST_PLACED = 2**20
+MOST_PLACED = 2**19
 """Grid points times steps where one changes parameters in a region: all then keep them as fields."""
 LONGEST_LINK, LONGEST_TEXT = 40_000, 200_000
 """Characters of a link, and of what is packed in it."""

@@ -59,7 +59,7 @@ class Work:
 
     async def opened(self, begun: SetUp) -> Session:
         """Return the cell of a set-up."""
-        ready = await _within(self.long if len(begun.steps) > FEW else self.cells, begun.ready)
+        ready = await _within(self.long if len(begun.steps) > FEW_PLACED else self.cells, begun.ready)
         needed = kinds(ready.schedule, ready.grid)
         threads = self._for(ready.protocol) if needed <= _known else self.slow
         cell: Session = await _within(threads, lambda: self._prepared(needed, lambda: Session(begun, ready)))
