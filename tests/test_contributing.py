@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 IGNORED = shutil.ignore_patterns("__pycache__", "page", "_build", "images", "reference")
 
@@ -227,8 +229,6 @@ from ..model import initial
 from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 from .experiment import AGREES, DOES_NOT, Experiment, Verdict
-
-pytestmark = pytest.mark.slow
 
 
 def measure(lab):

@@ -19,7 +19,7 @@ TOLERANCE = 1e-4
 FINE = {"n": 128, "dt": 0.0125}
 STEPS = tuple(1 / k for k in (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 128))
 """Time steps that a scan tries, all of which divide both times."""
-SIZES = (48, 54, 56, 60, 64, 72)
+SIZES = (54, 56, 60, 64, 72)
 
 
 @dataclass(frozen=True)

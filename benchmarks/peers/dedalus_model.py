@@ -23,9 +23,12 @@ def differentiated(a, k, axis):
 
 
 def steps(dt, count, gently):
-    """Return the steps of a run: a multistep scheme, which starts at first order, starts with tiny ones."""
-    first = [dt / 2**12, *(dt / 2**j for j in range(12, 0, -1))] if gently else [dt]
-    return first + [dt] * (count - 1)
+    """Return the steps of a run: a multistep scheme, which starts at first order, starts with small ones.
+
+    They grow by a quarter each, to four whole steps in all: growth by doubling costs SBDF4 its order.
+    """
+    growing = 1.25 ** np.arange(-16.0, 0.0)
+    return [*(4 * dt * growing / growing.sum()), *[dt] * (count - 4)] if gently else [dt] * count
 
 
 def prepare(params, n, length, dt, scheme="RK443", dealias=1):

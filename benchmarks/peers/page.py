@@ -46,6 +46,7 @@ def page() -> str:
         agreement_t=f"{data['agreement']['t']:g}",
         agreement_length=data["agreement"]["length"],
         agreement_n=data["agreement"]["n"],
+        agreement_dt=data["agreement"]["dt"],
     )  # fmt: skip
 
 

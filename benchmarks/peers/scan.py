@@ -60,7 +60,7 @@ def convergence(worker: Worker, code: Code, length: float, t_end: float, fine, n
     """Return how the error of each variant falls when the step is halved."""
     found = []
     for variant, how in code.variants.items():
-        steps = (1e-4, 1e-5, 1e-6) if code.steps(how) is code.rtols else (1 / 48, 1 / 96, 1 / 192)
+        steps = (1e-4, 1e-5, 1e-6) if code.steps(how) is code.rtols else (1 / 48, 1 / 96)
         errors = [error(worker.run(n, length, step, how, t_end)[0], fine) for step in steps]
         found.append({"variant": variant, "n": n, "steps": steps, "errors": errors})
     return found

@@ -1,7 +1,7 @@
 """A real server, real sockets and hostile clients: it answers, refuses in a sentence, and stays small."""
 
 import asyncio
-import importlib.util
+import importlib
 import json
 import multiprocessing
 import sys
@@ -15,22 +15,10 @@ from cyclosis.explorer import setup, work
 from cyclosis.explorer.server import PAGE
 from cyclosis.model.errors import InputError
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+# Attacks run in processes of their own, which find them here as well.
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+attacks, clients, hostile = map(importlib.import_module, ("attacks", "clients", "hostile"))
 SMALL = {"do": "begin", "setup": {"grid": {"n_theta": 16, "n_z": 16}}}
-
-
-def loaded(name):
-    """Return a module of the benchmarks."""
-    if name not in sys.modules:
-        found = importlib.util.spec_from_file_location(name, BENCHMARKS / f"{name}.py")
-        sys.modules[name] = importlib.util.module_from_spec(found)
-        found.loader.exec_module(sys.modules[name])
-    return sys.modules[name]
-
-
-clients = loaded("clients")
-attacks = loaded("attacks")
-hostile = loaded("hostile")
 
 
 @pytest.fixture(scope="module")
