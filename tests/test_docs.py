@@ -99,7 +99,7 @@ def resolved(path):
 def test_names_in_the_pages_exist(page):
     for told in re.findall(r"\b(?:cy|cyclosis)((?:\.[A-Za-z_]\w*)+)(?!\w*\.)", page.read_text()):
         resolved(told[1:].split("."))
-    if page.name == "stability.md":
+    if page.name in ("stability.md", "stripes.md"):
         for told in re.findall(r"\bs\.([a-z_]\w*)\(", page.read_text()):
             resolved(["stability", told])
 

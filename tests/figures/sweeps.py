@@ -10,6 +10,7 @@ import cyclosis as cy
 FIGURE5 = {"alpha_p": np.linspace(0.025, 1, 20), "alpha_u": np.linspace(0.025, 1, 20)}
 PARAMETERS = {"epsilon": 0.1, "d_s": 0.025, "d_r": 0.025, "kappa": 0.5, "mu": 0.05}
 CODE = {name: k for k, name in enumerate(cy.REGIMES)}
+D, U, C, M = (CODE[name] for name in ("disordered", "unidirectional", "cyclosis", "multistripe"))
 OUTCOMES = ("certified", "completed", "underresolved", "diverged")
 
 
@@ -56,3 +57,24 @@ def sweep(axes=None, seeds=50, configuration=None, **fixed):
     tables = {"parameters": PARAMETERS | fixed, "run": {"finish": "certified"}}
     attributes = {"configuration": json.dumps(tables if configuration is None else configuration)}
     return xarray.Dataset(data, {**axes, "seed": np.arange(seeds)}, attributes)
+
+
+def with_regimes(dataset, codes):
+    """The same sweep with other regimes, broadcast over its points and seeds."""
+    regime = dataset["regime"]
+    return dataset.assign(regime=(regime.dims, np.broadcast_to(codes, regime.shape).copy(), regime.attrs))
+
+
+def texts(figure):
+    found = [text.get_text() for text in figure.texts]
+    for ax in figure.axes:
+        found += [text.get_text() for text in ax.texts]
+        found += [ax.get_title(loc) for loc in ("left", "right")] + [ax.get_xlabel(), ax.get_ylabel()]
+        if ax.get_legend():
+            found += [text.get_text() for text in ax.get_legend().get_texts()]
+    return [text for text in found if text]
+
+
+def colours(ax, place=0):
+    """The numbers behind the cells of axes, (ny, nx) as drawn."""
+    return ax.collections[place].get_array()

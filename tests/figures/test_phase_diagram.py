@@ -1,5 +1,4 @@
 import json
-import re
 
 import numpy as np
 import pytest
@@ -7,23 +6,16 @@ from scipy.stats import binomtest
 
 import cyclosis as cy
 from cyclosis.analysis.outcomes import REGIONS
-from cyclosis.figures import phase_diagram, plane, regime_maps, style, swept, thresholds
+from cyclosis.figures import phase_diagram, plane, style, swept, thresholds
 from cyclosis.stability import dispersion
-from figures.sweeps import CODE, FIGURE5, PARAMETERS, sweep
+from figures.sweeps import FIGURE5, PARAMETERS, C, D, M, U, colours, sweep, texts, with_regimes
 
 SMALL = {"alpha_p": [0.1, 0.2, 0.4], "alpha_u": [0.05, 0.15]}
-D, U, C, M = (CODE[name] for name in ("disordered", "unidirectional", "cyclosis", "multistripe"))
 
 
 @pytest.fixture(scope="module")
 def figure5():
     return sweep()
-
-
-def with_regimes(dataset, codes):
-    """The same sweep with other regimes, broadcast over its points and seeds."""
-    regime = dataset["regime"]
-    return dataset.assign(regime=(regime.dims, np.broadcast_to(codes, regime.shape).copy(), regime.attrs))
 
 
 @pytest.fixture
@@ -35,21 +27,6 @@ def small():
         [[-1, -1, -1, -1], [C, C, M, -1]],
     ]
     return with_regimes(sweep(SMALL, seeds=4), np.array(codes, dtype=np.int8))
-
-
-def texts(figure):
-    found = [text.get_text() for text in figure.texts]
-    for ax in figure.axes:
-        found += [text.get_text() for text in ax.texts]
-        found += [ax.get_title(loc) for loc in ("left", "right")] + [ax.get_xlabel(), ax.get_ylabel()]
-        if ax.get_legend():
-            found += [text.get_text() for text in ax.get_legend().get_texts()]
-    return [text for text in found if text]
-
-
-def colours(ax, place=0):
-    """The numbers behind the cells of axes, (ny, nx) as drawn."""
-    return ax.collections[place].get_array()
 
 
 def lightness(colour):
@@ -380,56 +357,6 @@ def test_colours_grow_darker_all_along(colours):
     shades = lightness(colours(np.linspace(0, 1, 200)))
     assert np.all(np.diff(shades) <= 1e-9)
     assert shades[0] - shades[-1] > 0.5
-
-
-# All regimes, and time
-
-
-def test_every_regime_and_the_time(figure5):
-    figure = regime_maps.regimes_and_time(figure5)
-    found = swept.swept(figure5)
-    titles = [ax.get_title("left") for ax in figure.axes]
-    names = [title.split(",")[0] for title in titles if "," in title]
-    assert names == ["disordered", "unidirectional", "cyclosis", "multistripe"]
-    assert "disordered, 1\N{THIN SPACE}000" in titles
-    maps = [
-        ax for ax in figure.axes if ax.get_title("left").split(",")[0] in [*names, "median time to order"]
-    ]
-    for ax, name in zip(maps, names, strict=False):
-        shares = 100 * np.mean(figure5["regime"].values == CODE[name], axis=-1).T
-        drawn = colours(ax, 1)
-        np.testing.assert_array_equal(drawn.mask, shares == 0)
-        np.testing.assert_allclose(drawn.filled(0.0), shares)
-    times = colours(maps[-1], 1)
-    assert times.mask[:, 0].all()
-    expected = np.nanmedian(figure5["t_order"].values[1:], axis=-1).T
-    np.testing.assert_allclose(times[:, 1:], expected)
-    assert [int(count) for count in found.counts.sum(axis=(0, 1))][:4] == [
-        int(re.sub(r"\D", "", title.split(",")[1])) for title in titles if "," in title
-    ]
-
-
-def test_regimes_along_one_axis_are_stacked_to_100_percent(figure5):
-    figure = regime_maps.regimes_and_time(figure5, select={"alpha_u": 0.0763})
-    upper, lower = figure.axes
-    tops = np.array([patch.get_y() + patch.get_height() for patch in upper.patches]).reshape(-1, 20)
-    np.testing.assert_allclose(tops[-1], 100)
-    assert {text.split(",")[0] for text in texts(figure)} >= {"disordered", "unidirectional", "cyclosis"}
-    assert np.isnan(lower.lines[0].get_ydata()[0])
-
-
-def test_times_are_needed(figure5):
-    with pytest.raises(cy.InputError, match="t_order"):
-        regime_maps.regimes_and_time(figure5.drop_vars("t_order"))
-
-
-def test_limits_and_colours_of_times():
-    assert plane.rounded(np.array([3.0, np.nan]), np.array([70.0])) == (2.0, 100.0)
-    assert plane.rounded(np.array([6.0]), np.array([6.1])) == (5.0, 20.0)
-    assert plane.rounded(np.array([np.nan]), np.array([np.nan])) == (1.0, 10.0)
-    norm = regime_maps.time_norm(np.array([[3.0, np.nan], [30.0, 5.0]]))
-    assert (norm.vmin, norm.vmax) == (3.0, 30.0)
-    assert regime_maps.time_norm(np.array([7.0])).vmax > 7.0
 
 
 def test_the_configuration_is_that_of_the_run():

@@ -1,7 +1,7 @@
 """The theory: growth rates, steady and drifting states, their spectra, branches and thresholds.
 
 All of it is computed on the simulation's own right-hand side, or in closed form and tested against it.
-`docs/stability.md` derives it.
+`docs/stability.md` and `docs/stripes.md` derive it.
 """
 
 from . import dispersion as dispersion
