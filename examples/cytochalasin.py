@@ -33,12 +33,12 @@ def main(folder="."):
     ax.legend()
     figure.savefig(Path(folder) / "cytochalasin.png", dpi=150)
 
-    before, after = (run.records["peak_speed"] for run in runs.values())
+    drugged, fragmented = (run.records["peak_speed"] for run in runs.values())
     slower = cy.stability.cyclosis(params.replace(alpha_p=0.0))
     return {
-        "speed under the drug, of that before": before[-1] / before[0],
+        "speed under the drug, of that before": drugged[-1] / drugged[0],
         "the same in theory": slower.u.max() / cy.stability.cyclosis(params).u.max(),
-        "speed once cables are fragmented": after[-1] / after[0],
+        "speed once cables are fragmented": fragmented[-1] / fragmented[0],
         "least alpha_u that streams without bundling": cy.stability.fold(params.replace(alpha_p=0.0)),
     }
 

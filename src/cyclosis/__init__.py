@@ -21,6 +21,7 @@ from .version import __version__ as __version__
 if TYPE_CHECKING:
     from . import ensemble as ensemble
     from . import stability as stability
+    from . import traced as traced
     from .analysis import diagnostics as diagnostics
     from .analysis import zones as zones
     from .analysis.diagnostics import diagnose as diagnose

@@ -78,10 +78,10 @@ def _prepared(
     values: dict[str, Any],
 ) -> tuple[System, jax.Array]:
     require_double(precision)
-    known = dict(params.items())
+    free = [name for name, value in params.items() if not isinstance(value, bool)]
     for name in values:
-        if name not in known or isinstance(known[name], bool):
-            raise InputError("parameter", name, "one of " + ", ".join(known), "check the spelling")
+        if name not in free:
+            raise InputError("parameter", name, "one of " + ", ".join(free), "check the spelling")
     if jnp.shape(P) != (2, *grid.shape):
         raise InputError("P", jnp.shape(P), f"of shape {(2, *grid.shape)}", "make state and grid match")
     cell = system(params, grid, terms, precision=precision, traced=values)

@@ -83,7 +83,7 @@ def test_a_file_of_too_many_points_is_refused(port):
         port, f"/api/export/run.nc?cell={clients.link_of([], 200.0, n_theta=128, n_z=128)}"
     )
     assert status == 400
-    assert "from 1 to 1000 in a file made here of 128 x 128 points" in json.loads(body)["sentence"]
+    assert "at most 1000 in a file made here of 128 x 128 points" in json.loads(body)["sentence"]
 
 
 def test_a_protocol_that_would_take_much_memory_is_refused(port):

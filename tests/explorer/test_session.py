@@ -105,7 +105,7 @@ def test_a_malformed_message_is_refused_in_a_sentence(text):
 
 
 def test_the_page_is_told_of_every_setting():
-    told = about.about(60.0)
+    told = about.about()
     assert len(told["diagram"]["share"]) == len(told["diagram"]["alpha_p"]) == 20
     assert all(item["usual"] or item["kind"] == "flag" for item in told["parameters"])
     found = about.curves(cy.Parameters())

@@ -10,8 +10,9 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.sweep import durable
+from cyclosis.sweep.durable import STALE_SECONDS
 from cyclosis.sweep.packed import pack
-from cyclosis.sweep.store import STALE_SECONDS, Store
+from cyclosis.sweep.store import Store
 from sweep import fakes
 
 CALLS = ("open", "write", "fsync", "replace", "mkdir")

@@ -42,16 +42,16 @@ function build(about: About): void {
   const { element: toastElement, toast } = toaster();
   const hub = new Hub(about, (message) => connection.ask(message), toast);
   const meter = new SpeedMeter();
-  const cylinder = h('div', { id: 'cylinder', role: 'img', 'aria-label': 'The cell as a turning cylinder' });
-  const map = h('div', { id: 'map', role: 'img', 'aria-label': 'The surface unwrapped: the angle across, the axis up' });
+  const cylinder = h('div', { id: 'cylinder' });
+  const map = h('div', { id: 'map' });
   const key = h('div', { class: 'key-bar', 'aria-hidden': 'true' }, 'down', h('span', { class: 'bar' }), 'up');
-  const stage = h('section', { id: 'stage', 'aria-label': 'The cell' }, cylinder, map, key);
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key);
   const header = h('header', {});
   const panels = h('section', { id: 'panels', 'aria-label': 'Controls' });
   const charts = traces(hub);
   app.replaceChildren(header, stage, now(hub), charts, panels, toastElement);
 
-  const scene = new Scene({ cylinder, map, palette: keptPalette(about.palettes), dark: isDark() });
+  const scene = new Scene({ cylinder, map, palette: keptPalette(about.palettes), dark: isDark(), notice: toast });
   const tools = hand(hub, scene);
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));

@@ -57,10 +57,7 @@ export interface About {
   version: string;
   limits: {
     points: number;
-    steps: number;
-    frames: number;
     stroke: number;
-    idle_seconds: number;
     fastest: number;
   };
   parameters: Definition[];

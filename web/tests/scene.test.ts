@@ -259,17 +259,17 @@ describe('streamlines', () => {
 
 describe('strokes', () => {
   it('are joined over the seam, sent in batches, and always end with a point', () => {
-    const sent: [Point[], boolean][] = [];
-    const stroke = new Stroke((points, done) => sent.push([points, done]), 0.25, 5, 0);
+    const sent: Point[][] = [];
+    const stroke = new Stroke((points) => sent.push(points), 0.25, 5, 0);
     stroke.add([0.1, 4.9], 0);
     stroke.add([TURN - 0.1, 0.1], 40);
     expect(sent).toEqual([]);
-    stroke.add([TURN - 0.3, 0.3], 90);
+    stroke.add([TURN - 0.3, 0.3], 160);
     expect(sent.length).toBe(1);
     stroke.end();
-    expect(sent.map(([, done]) => done)).toEqual([false, true]);
-    expect(sent[1][0].length).toBe(1);
-    const points = sent.flatMap(([batch]) => batch);
+    expect(sent.length).toBe(2);
+    expect(sent[1].length).toBe(1);
+    const points = sent.flat();
     for (let k = 1; k < points.length; k++) {
       const dx = nearest(0, points[k][0] - points[k - 1][0], TURN);
       const dz = nearest(0, points[k][1] - points[k - 1][1], 5);

@@ -64,7 +64,7 @@ def _order(cell: System, now: Moment) -> Any:
     return jnp.sqrt(jnp.sum(_energy(now.spectrum)))
 
 
-def _gradient_energy(cell: System, now: Moment) -> Any:
+def _dissipated(cell: System, now: Moment) -> Any:
     return now.values.mu * jnp.sum(cell.space.k2 * _energy(now.flow_spectrum))
 
 
@@ -88,7 +88,7 @@ def tail(cell: System, energy: jax.Array) -> Any:
     m = jnp.abs(cell.space.m) / jnp.max(cell.space.m)
     q = jnp.abs(cell.space.q) / jnp.max(cell.space.q)
     beyond = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
-    return jnp.sqrt(beyond / jnp.maximum(jnp.sum(energy), 1e-300))
+    return jnp.sqrt(beyond / jnp.maximum(jnp.sum(energy), float(np.finfo(energy.dtype).tiny)))
 
 
 def _spectral_tail(cell: System, now: Moment) -> Any:
@@ -151,7 +151,7 @@ QUANTITIES = (
         "power that the filaments' force puts into the flow",
         lambda cell, now: jnp.mean(dot(now.force, now.u)),
     ),
-    Quantity("viscous_dissipation", "μ <|∇u|²>", (), "1", "power dissipated by viscosity", _gradient_energy),
+    Quantity("viscous_dissipation", "μ <|∇u|²>", (), "1", "power dissipated by viscosity", _dissipated),
     Quantity(
         "friction_dissipation",
         "<|u|²>",

@@ -126,8 +126,12 @@ def _name(P: Array, order: float, rate: float, drift: Array, explained: float) -
     crossings = np.sum(up != np.roll(up, 1, axis=0), axis=0)
     low, high = int(crossings.min()), int(crossings.max())
     one_sign = bool(up.all() or not up.any())
-    if low != high or around > 0.5 or (high == 0 and not one_sign):
+    if low != high:
         return "undecided", f"{low} to {high} indifferent zones along the axis"
+    if around > 0.5:
+        return "undecided", f"{100 * around:.0f} % of the order runs around the axis"
+    if high == 0 and not one_sign:
+        return "undecided", "the polarity changes along the axis, not around it"
     if high == 0:
         return "unidirectional", "one polarity, no indifferent zone"
     if high == 2:

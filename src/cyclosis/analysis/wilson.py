@@ -22,10 +22,11 @@ def wilson(successes: npt.ArrayLike, trials: npt.ArrayLike, confidence: float = 
 
     It never leaves [0, 1] and has a width even where p = 0 or 1. NaN where there are no trials. The
     arguments broadcast; `successes` need not be whole. Raises `InputError` for counts that are negative
-    or not finite, for more successes than trials, and for a confidence outside (0, 1). Source: Wilson,
+    or not finite, for more successes than trials, and for a confidence outside
+    [10⁻⁶, 1 - 10⁻⁶]. Source: Wilson,
     J. Am. Stat. Assoc. 22 (1927) 209.
     """
-    level = number("confidence", confidence, 1e-6, 1 - 1e-9, "the default is 0.95")
+    level = number("confidence", confidence, 1e-6, 1 - 1e-6, "the default is 0.95")
     hits, n = np.broadcast_arrays(
         np.asarray(successes, dtype=np.float64), np.asarray(trials, dtype=np.float64)
     )

@@ -45,15 +45,14 @@ def _options(
 
 
 def main() -> None:
-    """Run the command line; every failure is one sentence and an exit code, never a traceback."""
+    """Run the command line; every failure is one sentence and an exit code, never a traceback.
+
+    Typer itself answers options that do not exist, interruptions and closed pipes.
+    """
     try:
         app()
     except InputError as error:
         _fail(str(error), 2)
-    except KeyboardInterrupt:
-        _fail("stopped before anything was computed.", 130)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except MemoryError:
         _fail("this machine's memory is too small for that; use fewer grid points.", 1)
     except Exception as error:

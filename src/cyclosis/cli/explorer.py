@@ -11,7 +11,7 @@ def explore(
     host: Annotated[
         str, typer.Option(help="Address to listen on; by default this machine alone.")
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on.")] = 8765,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0: any free one.")] = 8765,
     name: Annotated[
         list[str] | None,
         typer.Option(
@@ -19,7 +19,9 @@ def explore(
         ),
     ] = None,
     sessions: Annotated[int, typer.Option(min=1, max=1000, help="Most visitors at once.")] = 8,
-    idle_minutes: Annotated[float, typer.Option(min=0.1, help="Minutes a cell may be left alone.")] = 30.0,
+    idle_minutes: Annotated[
+        float, typer.Option(min=0.1, max=525_600, help="Minutes a cell may be left alone.")
+    ] = 30.0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
 ) -> None:
     """Open the explorer: a living cell in the browser."""
@@ -27,12 +29,11 @@ def explore(
 
     from ..explorer.server import LOOPBACK, Limits, serve
 
-    address = f"http://{f'[{host}]' if ':' in host else host}:{port}/"
-
-    def ready() -> None:
+    def ready(port: int) -> None:
+        address = f"http://{f'[{host}]' if ':' in host else host}:{port}/"
         print(f"the explorer is at {address} (Ctrl-C ends it)", flush=True)
         if browser:
             webbrowser.open(address)
 
-    hosts = (*LOOPBACK, host, *(name or ()))
+    hosts = tuple(each.lower() for each in (*LOOPBACK, host, *(name or ())))
     serve(host, port, Limits(sessions, 60.0 * idle_minutes, hosts), ready)

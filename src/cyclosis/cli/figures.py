@@ -11,7 +11,7 @@ import typer
 
 from ..model.definitions import Definition
 from ..model.errors import InputError
-from .options import FILE, FORCE, TARGET, commands
+from .options import FILE, FORCE, TARGET, commands, named
 
 figures = commands("Draw figures from a file of a run, or from the store of a sweep.")
 _TIMES = Definition("times", "t", "times", None, "numbers", 0.0, 1e9)
@@ -95,6 +95,7 @@ def phase_diagram(
     from ..figures import phase_diagram as figure
     from ..sweep.collect import open_sweep
 
+    store = named(store)
     if cuts is not None and kind is not Kind.SHARE:
         raise InputError("cuts", cuts, "given with kind = share", "leave it out")
     name = store.stem if kind is Kind.SHARE else f"{store.stem}-{kind}"

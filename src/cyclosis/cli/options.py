@@ -13,7 +13,17 @@ import typer
 from ..model.definitions import TABLES, Definition, definition
 
 FORCE = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
-FILE = Annotated[Path, typer.Argument(metavar="FILE", help="NetCDF file of a run.", show_default=False)]
+
+
+def named(path: Path) -> Path:
+    """Return a path that ends in a name, so that something can be put beside it."""
+    return path if path.name else path.resolve()
+
+
+FILE = Annotated[
+    Path,
+    typer.Argument(metavar="FILE", help="NetCDF file of a run.", show_default=False, callback=named),
+]
 TARGET = Annotated[Path | None, typer.Option("--out", help="File to write; by default beside FILE.")]
 QUIET = Annotated[bool, typer.Option("--quiet", help="Show no progress.")]
 PAUSE = Annotated[
@@ -61,9 +71,7 @@ def _option(table: str, item: Definition) -> inspect.Parameter:
     name = f"--{item.name.replace('_', '-')}"
     default = "" if item.default is None else f" Default {_shown(item.default)}."
     text = f"{item.meaning[0].upper()}{item.meaning[1:]}: {item.rule}.{default}"
-    option = typer.Option(
-        name, metavar=item.kind.upper(), help=text, rich_help_panel=table, show_default=False
-    )
+    option = typer.Option(name, metavar=item.kind.upper(), help=text, show_default=False)
     return inspect.Parameter(
         f"{table}__{item.name}",
         inspect.Parameter.KEYWORD_ONLY,

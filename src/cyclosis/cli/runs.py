@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -84,7 +85,7 @@ def resume(
 def _end(result: Any, file: Path) -> None:
     print(f"{'saved':>18}  {file}")
     if result.status == "interrupted":
-        print(f"{'to go on':>18}  cyclosis resume {file}")
+        print(f"{'to go on':>18}  cyclosis resume {shlex.quote(str(file))}")
         raise typer.Exit(130)
     raise typer.Exit(0 if result.ok else 1)
 

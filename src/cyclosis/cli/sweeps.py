@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import sys
 import warnings
 from collections.abc import Iterator
@@ -40,9 +41,9 @@ JSON = Annotated[bool, typer.Option("--json", help="Print progress and outcome a
 @sweeps.command()
 def plan(config: CONFIG, workers: WORKERS = None) -> None:
     """Show what a sweep will compute, and estimate its cost from a few members computed now."""
-    from ..sweep.environment import accelerators, cores, idlest_cores, settle, wanted
+    from ..sweep.environment import idlest_cores, processes, settle, wanted
 
-    count = workers or len(accelerators(os.environ)) or len(cores())
+    count = workers or processes(os.environ)
     os.environ.update(wanted(os.environ))  # as a worker would have it, before JAX is loaded
     settle(idlest_cores()[0])
 
@@ -72,7 +73,7 @@ def run(
     with _client(scheduler, scheduler_file, workers) as client, _watching(json_lines, quiet) as progress:
         summary = run_sweep(chosen, out, client, workers=workers, progress=progress)
     place = _again(scheduler=scheduler, scheduler_file=scheduler_file, workers=workers)
-    _end(summary, f"cyclosis sweep run {config} --out {out}{place}", out, json_lines)
+    _end(summary, ["run", str(config), "--out", str(out)], place, out, json_lines)
 
 
 @sweeps.command()
@@ -90,7 +91,7 @@ def repair(
     with _client(scheduler, scheduler_file, workers) as client, _watching(json_lines, quiet) as progress:
         summary = mend(store, client, workers=workers, progress=progress)
     place = _again(scheduler=scheduler, scheduler_file=scheduler_file, workers=workers)
-    _end(summary, f"cyclosis sweep repair {store}{place}", store, json_lines)
+    _end(summary, ["repair", str(store)], place, store, json_lines)
 
 
 @sweeps.command()
@@ -161,13 +162,13 @@ def _watching(json_lines: bool, quiet: bool) -> Iterator[Any]:
                 yield bar
 
 
-def _again(**given: object) -> str:
+def _again(**given: object) -> list[str]:
     """Return those options that were given, as they were."""
-    options = {name.replace("_", "-"): value for name, value in given.items() if value is not None}
-    return "".join(f" --{name} {value}" for name, value in options.items())
+    options = {f"--{name.replace('_', '-')}": value for name, value in given.items() if value is not None}
+    return [word for name, value in options.items() for word in (name, str(value))]
 
 
-def _end(summary: SweepSummary, again: str, store: Path, json_lines: bool) -> None:
+def _end(summary: SweepSummary, again: list[str], place: list[str], store: Path, json_lines: bool) -> None:
     from dataclasses import asdict
 
     from ..report import sweep as report
@@ -177,7 +178,8 @@ def _end(summary: SweepSummary, again: str, store: Path, json_lines: bool) -> No
     else:
         print(report.ended(summary))
         if summary.status == "incomplete":
-            print(report.listed({"to try again": f"cyclosis sweep repair {store}"}))
+            repair = shlex.join(["cyclosis", "sweep", "repair", str(store), *place])
+            print(report.listed({"to try again": repair}))
         elif not summary.ok:
-            print(report.listed({"to go on": again}))
+            print(report.listed({"to go on": shlex.join(["cyclosis", "sweep", *again, *place])}))
     raise typer.Exit({"complete": 0, "interrupted": 130}.get(summary.status, 1))

@@ -148,20 +148,20 @@ def threshold(
 
     params = _params(options)
     _check(out, force)
+    if full and over is not None:
+        raise InputError("full", full, "given for one point", "leave out --over")
+    if over is None and any(target.suffix.lower() in (".png", ".pdf") for target in out or []):
+        raise InputError("out", "a figure", "of a curve", "give --over, as alpha_p=0.06:1:40:log")
     name, values = ("alpha_p", [float(params.alpha_p)]) if over is None else _axis("over", over)
     found = limits(params, values, name)
     print(report.limits(found))
     if full:
-        if over is not None:
-            raise InputError("full", full, "given for one point", "leave out --over")
         print("\n" + report.threshold(threshold_with_error(params, True, length)))
 
     def draw() -> Any:
         from ..figures import limits as figure
         from ..stability.onset import neighbourhood
 
-        if len(values) < 2:
-            raise InputError("out", "a figure", "of a curve", "give --over, as alpha_p=0.06:1:40:log")
         near = None
         if name == "alpha_p" and params.force_exponent == 2:
             near = neighbourhood(params)

@@ -91,19 +91,24 @@ def check_writable(target: Path, force: bool) -> None:
             ...
         cyclosis.model.errors.InputError: out = 'nowhere/new.nc' cannot be used: ...
     """
-    if target.is_dir():
+    try:
+        folder, there, room = target.is_dir(), target.exists(), target.parent.is_dir()
+    except OSError as error:
+        remedy = f"choose another ({error.strerror})"
+        raise InputError("out", str(target), "a place that can be written to", remedy) from error
+    if folder:
         raise InputError("out", str(target), "a file name", "add a name to the folder")
-    if target.exists() and not force:
+    if there and not force:
         raise InputError("out", str(target), "a new file", "add --force (force=True) to overwrite it")
-    if not target.parent.is_dir():
+    if not room:
         raise InputError("out", str(target), "in a folder that exists", f"create {target.parent} first")
 
 
 def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     """Open a file of a run; fields load lazily, and are verified as they load.
 
-    An unfinished run is opened as far as it was saved. Raises `InputError` for a file that is none, of
-    another schema, truncated or altered.
+    An unfinished run is read into memory, as far as it was saved. Raises `InputError` for a file that is
+    none, of another schema, truncated or altered.
 
     Example:
         >>> import cyclosis as cy
@@ -127,7 +132,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
         dataset = xarray.open_dataset(place, engine="h5netcdf", decode_times=False)
     except DAMAGED as error:
         raise damaged(place, error) from error
-    return dataset.drop_attrs(deep=False).assign_attrs(_public(dataset.attrs))
+    public = dataset.drop_attrs(deep=False).assign_attrs(_public(dataset.attrs))
+    public.set_close(dataset.close)
+    return public
 
 
 def load(

@@ -28,6 +28,8 @@ def folder_of(target: Path) -> Path:
 
 def parts(target: Path) -> list[Path]:
     """Return the files that make up a run: the one at its place, or what an unfinished run has left."""
+    if not target.name:
+        return [target]  # a folder: reading it says so
     stored = sorted(folder_of(target).glob("[0-9]*.nc"))
     if not stored:
         return [target]

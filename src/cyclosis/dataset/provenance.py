@@ -16,8 +16,6 @@ from ..version import __version__
 
 SCHEMA = 1
 """Version of the files' layout; a file of another version is refused, never guessed at."""
-PASSING = ("created", "wall_time_seconds", "digest")
-"""Attributes that differ between two equal runs."""
 
 
 def configuration(run: Trajectory) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,7 +44,8 @@ def write_table(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> Path:
         remedy = f"choose another ({error.strerror or error})"
         raise InputError("out", str(target), "a place that can be written to", remedy) from error
     finally:
-        beside.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
     return target
 
 

@@ -34,7 +34,7 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
         >>> collection.name, sorted(path.name for path in collection.parent.glob("*.vts"))
         ('surface.pvd', ['frame-00000.vts', 'frame-00001.vts'])
     """
-    target = Path(folder)
+    target = Path(folder).resolve()
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())) and not force:
             raise InputError("out", str(target), "a new or empty folder", "add --force (force=True)")

@@ -17,7 +17,7 @@ from ..model.filaments import TermLike
 from .contents import of_trajectory
 from .convert import check_writable, load
 from .netcdf import joined, sync_folder, unwritable, write_contents
-from .parts import MARKS, digest_at, folder_of, marks_of, parts
+from .parts import MARKS, digest_at, folder_of, is_unfinished, marks_of, parts
 
 
 class RunWriter:
@@ -42,16 +42,16 @@ class RunWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], force: bool = False, continues: bool = False) -> None:
-        self.target, self.folder = Path(path), folder_of(Path(path))
+        self.target = Path(path)
         self.number, self.frames, self.records, self.interventions = 0, 0, 0, 0
         if not continues:
             check_writable(self.target, force)
-        standing = parts(self.target)
+        self.folder = folder_of(self.target)
         for killed in self.target.parent.glob(f".{glob.escape(self.target.name)}.*.new"):
             killed.unlink(missing_ok=True)  # what a killed process was writing
         if continues:
-            self._continue(standing)
-        elif standing != [self.target] and not force:
+            self._continue(parts(self.target))
+        elif not force and is_unfinished(self.target):
             remedy = f"go on with `cyclosis resume {self.target}`, or add --force (force=True)"
             raise InputError("out", str(self.target), "free of an unfinished run", remedy)
         else:

@@ -60,7 +60,7 @@ class Course:
 
     def bound(self, done: int) -> float:
         """Return the magnitude |P| beyond which the run has diverged, once `done` events are done."""
-        return SHARP if self.schedule.last_disturbance(done) is not None else DIVERGED
+        return SHARP if self.schedule.disturbed_by(done) else DIVERGED
 
     def system(self, done: int) -> System:
         """Return the system in force once `done` events are done."""

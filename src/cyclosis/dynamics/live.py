@@ -45,6 +45,7 @@ class Live:
         every: float,
         protocol: Protocol | None = None,
     ) -> None:
+        every = Settings(save_every=every).save_every
         self.how = Settings(t_end=every, save_every=every)
         self.params, self.grid, self.every = params, grid, self.how.save_every
         self.frame, self.failed = 0, False
@@ -91,7 +92,7 @@ class Live:
     def flow(self) -> Array:
         """Return the flow now, shape (2, n_theta, n_z)."""
         with double():
-            return self._cell.state(flow_spectrum(self._cell, self._now.spectrum))
+            return self._cell.state(flow_spectrum(self._cell, self._now.spectrum, self._now.t))
 
     def record(self) -> Mapping[str, Any]:
         """Return the quantities of `cyclosis.diagnostics.QUANTITIES` now, by name."""
@@ -134,7 +135,11 @@ class Live:
         old, new = list(self.protocol), list(protocol)
         past = [step for step in new if step.at < self.t]
         if past != [step for step in old if step.at < self.t] or protocol.seed != self.protocol.seed:
-            raise InputError("at", min(s.at for s in new), f"at least {self.t:g}, the time reached", "wait")
+            if late := [step.at for step in past if step not in old]:
+                raise InputError("at", late[0], f"at least {self.t:g}, the time reached", "move it there")
+            rule = "that so far, with the same seed and the steps already done"
+            found = f"{len(new)} steps, seed {protocol.seed}"
+            raise InputError("protocol", found, rule, "add steps to `protocol`")
         if not self.at_frame:
             raise InputError("at", self.t, "the time of a frame", "go forward to the next frame first")
         self._take(protocol)

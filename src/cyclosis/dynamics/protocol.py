@@ -255,5 +255,6 @@ def _refuse_overlaps(steps: tuple[Step, ...]) -> None:
             if step.at < end:
                 rule = f"at least {end:g}, the end of the ramp of {name} that begins at {begin:g}"
                 raise InputError(f"at of {step.action}", step.at, rule, "let one change end before the next")
-            if step.until > end:
-                ends[name] = (step.at, step.until)
+            until = step.at if name == "zero_theta_flux" else step.until  # a flag changes at once
+            if until > end:
+                ends[name] = (step.at, until)

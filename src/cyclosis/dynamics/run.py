@@ -203,14 +203,15 @@ class Run:
 
     def _keep(self, now: Progress, save_field: bool) -> None:
         t = float(now.t)
-        record = {name: np.asarray(v) for name, v in measure(self.cell, now.spectrum, now.t).items()}
-        self.record_times.append(t)
-        self.records.append(record)
-        peak = float(record["max_P"])
-        if not self.interventions:  # after one, the largest |P| so far may be that of a sharp edge
-            peak = max(peak, float(now.peak))
-        self.watch.look(t, float(record["spectral_tail"]), peak)
-        if save_field:
+        if self.record_times[-1:] != [t]:  # a run may stop where it has just been recorded
+            record = {name: np.asarray(v) for name, v in measure(self.cell, now.spectrum, now.t).items()}
+            self.record_times.append(t)
+            self.records.append(record)
+            peak = float(record["max_P"])
+            if not self.interventions:  # after one, the largest |P| so far may be that of a sharp edge
+                peak = max(peak, float(now.peak))
+            self.watch.look(t, float(record["spectral_tail"]), peak)
+        if save_field and self.times[-1:] != [t]:
             self.times.append(t)
             self.frames.append(self._state(now))
 
@@ -264,8 +265,9 @@ def default_dt(how: Settings, cell: System) -> float:
     if method.exact:
         return 0.1
     stiffest = float(cell.values.d_s) * float(np.max(np.asarray(cell.space.k2))) + float(cell.values.d_r)
-    # The local relaxation, about -2 alpha_p - alpha_u, adds to the stiffness of diffusion.
-    local = 2 * float(np.max(cell.values.alpha_p)) + float(np.max(cell.values.alpha_u))
+    # The local relaxation, about -2 alpha_p - alpha_u - kappa, adds to the stiffness of diffusion.
+    values = cell.values
+    local = sum(float(np.max(value)) for value in (2 * values.alpha_p, values.alpha_u, values.kappa))
     return min(0.1, 0.9 * method.stability / (stiffest + local + 1e-12))
 
 

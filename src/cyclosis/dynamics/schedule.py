@@ -2,7 +2,8 @@
 
 At a time when something is done, everything "at" that time is after it: the parameters in force, a frame, a
 record. A ramp is straight in time. Nothing here looks ahead: what a protocol does later changes no bit of
-what comes before, so that a cell may be followed while its protocol is still being written.
+what comes before, so that a cell may be followed while its protocol is still being written; only the default
+step of `rk4` is chosen for all stages at once.
 """
 
 from __future__ import annotations
@@ -80,9 +81,9 @@ class Schedule:
         """Return whether an event acts on the state."""
         return any(step.acts_on_state for step in self._steps(event))
 
-    def last_disturbance(self, done: int) -> float | None:
-        """Return the time of the last of the events done that acted on the state."""
-        return next((self.times[k] for k in reversed(range(done)) if self.disturbs(k)), None)
+    def disturbed_by(self, done: int) -> bool:
+        """Return whether any of the events done acted on the state."""
+        return any(map(self.disturbs, range(done)))
 
     def disturbed(self, event: int, state: Array) -> Array:
         """Return a state (2, n_theta, n_z) after an event; outside the regions every bit is as before."""

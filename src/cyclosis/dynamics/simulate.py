@@ -62,8 +62,9 @@ def simulate(
     `terms` selects terms by name and may hold the user's own, `term(t, P, u, params, grid)`. `progress`
     is called a few times a second. `checkpoint` gets the run so far at the start and then every
     `checkpoint_seconds`, which changes no step; a file writer for it is `cyclosis.RunWriter`.
-    `provenance` is kept with the run. Ctrl-C ends the run with status "interrupted". Raises `InputError`
-    for bad input; everything that happens later is a status of the `Trajectory`.
+    `provenance` is kept with the run; of it a file keeps `initial` alone. Ctrl-C ends the run with status
+    "interrupted". Raises `InputError` for bad input; everything that happens later is a status of the
+    `Trajectory`.
 
     Source: Woodhouse & Goldstein 2013; steppers see `cyclosis.dynamics.steppers`.
 

@@ -103,10 +103,9 @@ class Certainty:
             (1, signs.vary_z, signs.mean_along_z),
             (0, signs.vary_theta, signs.mean_along_theta),
         ):
-            if self.possible and verdict is Doubt.YET and float(varying) <= UNEVEN * order:
-                verdict = self._finish(
-                    axis, np.asarray(mean, dtype=np.complex128), float(varying), order, fading
-                )
+            uneven = float(varying)
+            if self.possible and verdict is Doubt.YET and order > 0 and uneven <= UNEVEN * order:
+                verdict = self._finish(axis, np.asarray(mean, dtype=np.complex128), uneven, order, fading)
         return verdict
 
     def remnant(self, signs: Signs) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ..dynamics.protocol import Protocol
 from ..dynamics.schedule import Schedule
 from ..dynamics.settings import Settings
+from ..model.definitions import definition
 from ..model.errors import InputError, choice, whole
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
@@ -66,10 +67,11 @@ class EnsembleSettings:
     lanes: int | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "t_end", definition("run", "t_end").check(self.t_end))
         choice("finish", self.finish, FINISH)
         if self.lanes is not None:
             whole("lanes", self.lanes, 1, MAX_LANES, "leave it out to suit the device")
-        object.__setattr__(self, "t_end", self.run.t_end)
+        _ = self.run  # checks all else
         if self.t_end == 0:
             raise InputError("t_end", self.t_end, "longer than no time", "raise it")
 

@@ -213,6 +213,7 @@ class _Pool:
             if status == "completed":
                 running = self.device.with_values(cell.values)
                 now = advance(running, self.control, now, self.t_end, np.int64(MOST_STEPS))
+                status = "diverged" if bool(now.failed) else status
             state = cell.state(np.asarray(now.spectrum))
             found = regime(seat.params, self.grid, state, self.how.terms)
             verdict = Verdict(found.name, uncertain(status, found.rate), state, np.nan, 0.0)

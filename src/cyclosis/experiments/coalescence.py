@@ -25,9 +25,8 @@ if TYPE_CHECKING:
 BUNDLING = (0.1, 0.2, 0.5, 1.0)
 DISTANCES = (3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)
 """First distances of two fronts, in widths of a front."""
-FAR = 4.0
+FAR, CLOSE = 4.0, 0.05
 """Distance from which on fronts should obey the law, and by how much of it they may miss it."""
-CLOSE = 0.05
 NEAR = (0.5, 0.8, 1.25, 2.0)
 """Multiples of the threshold at which a small difference of widths is timed."""
 MULTIPLES = (0.0, 0.5, 0.9, 1.2, 2.0, 3.0, 5.0, 10.0, 20.0)

@@ -204,7 +204,7 @@ EXPERIMENT = Experiment(
     name="cytochalasin",
     claim="An agent that keeps filaments from bundling (α_p = 0) stops streaming; in the model that alone "
     "stands for the fragmentation of all cables.",
-    source="Discussion, and the force law in Coarse-grained model",
+    source="Discussion, and Model (forcing of the flow)",
     method="Cells with α_p = 0 from disorder, to their certain end; and streaming cells whose α_p is set to "
     "zero, with noise of 1000 filaments a square added, or with all filaments fragmented, for 200 R/U; each "
     "at α_u = 0.2 and 0.5. Stripes are followed over α_p below d_r + d_s and α_u beside the fold of theory, "

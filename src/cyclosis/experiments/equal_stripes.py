@@ -120,11 +120,14 @@ def verdict(data: xarray.Dataset) -> Verdict:
     cyclic = REGIMES.index("cyclosis")
     striped, two, worst, rarely = 0, 0, 0.0, []
     for name, symbol in (("alpha_u", "α_u"), ("cell_length", "length")):
-        stripes = np.asarray(data[f"stripes_over_{name}"].values)
-        uneven = np.asarray(data[f"uneven_over_{name}"].values)
+        # Cells of length 5 are those of the sweep over flow at α_u = 0.5, where they are counted.
+        own = data[name].values != (5.0 if name == "cell_length" else np.nan)
+        stripes, uneven, ends = (
+            np.asarray(data[f"{what}_over_{name}"].values)[own] for what in ("stripes", "uneven", "ended")
+        )
         striped, two = striped + int((stripes > 0).sum()), two + int((stripes == 2).sum())
         worst = max(worst, float(np.nanmax(uneven, initial=0.0)))
-        for value, ended in zip(data[name].values, data[f"ended_over_{name}"].values, strict=True):
+        for value, ended in zip(data[name].values[own], ends, strict=True):
             share = proportion(int((ended == cyclic).sum()), ended.size)
             if share[0] < SURE:
                 rarely.append(f"{in_words(share)} at {symbol} = {value:g}{_others(ended)}")

@@ -134,7 +134,7 @@ def verdict(data: xarray.Dataset) -> Verdict:
         text += f"under it as well (at {strength[at]:g} streaming lasts in {in_words(still)})"
     else:
         below = strength[~most & (strength < strength[at])]
-        lowest = strength[most].min()
+        lowest = strength[most].min() if most.any() else strength[at]
         where = f"between {below.max():g} and {lowest:g}" if below.size else f"{lowest:g}"
         text += (
             f"survive under it too, from an α_u {where} on (fold: {float(data['theory_fold']):.4f}), in "

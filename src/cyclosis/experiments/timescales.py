@@ -12,13 +12,11 @@ from ..figures.style import DOWN, INK, LEGEND, QUIET, SHADE, UP
 from ..model.grid import Array
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
 from .lab import Lab
-from .motor_times import READINGS, Estimate, estimate, heat_s, restriction, rotational_drag
+from .motor_times import READINGS, Estimate, estimate, restriction
 from .statistics import in_words, proportion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["EXPERIMENT", "Estimate", "estimate", "heat_s", "restriction", "rotational_drag"]
 
 RANGES = {
     # Between these values, equally often on a logarithmic scale. Length, speed and dwell time about those of
@@ -103,9 +101,8 @@ def draw(data: xarray.Dataset) -> Figure:
     found, paper = times(data), times(data, "paper_")
 
     def scales(ax: Any) -> None:
-        rows = ("procession_s", "vesicle_s", "strain_s", "heat_s", "detachment_s")
         names = ("$\\tau_p$", "$\\tau_r$, vesicle", "$\\tau_r$, strain", "$\\tau_r$, heat", "$\\tau_d$")
-        for k, row in enumerate(rows):
+        for k, row in enumerate(TIMES):
             low, high = np.quantile(getattr(found, row), [0.05, 0.95])
             colour = COLOURS.get(row.removesuffix("_s"), QUIET)
             ax.barh(-k, high - low, 0.55, left=low, color=colour, alpha=0.45, linewidth=0)

@@ -45,8 +45,8 @@ def place(seed: int) -> float:
 
 
 def wounded(seed: int, radius: float, drug: str, theta: float | None = None) -> Trajectory:
-    """Run an established cell with a wound of a radius, or with the drug alone where that is 0."""
-    disc = regions.disc(place(seed) if theta is None else theta, MIDDLE, max(radius, 1e-3))
+    """Run an established cell with a wound of a radius, at its seed's angle unless `theta` is given."""
+    disc = regions.disc(place(seed) if theta is None else theta, MIDDLE, radius)
     return _run([fragment(BEGIN, where=disc)], disc, drug, seed)
 
 

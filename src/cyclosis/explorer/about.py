@@ -12,7 +12,6 @@ import numpy as np
 
 from ..analysis.diagnostics import QUANTITIES
 from ..config import USED_BY
-from ..dynamics.protocol import MOST_STEPS
 from ..model.definitions import GRID, INITIAL, PARAMETERS, Definition
 from ..model.equation import EQUATION
 from ..model.errors import choice
@@ -22,22 +21,19 @@ from .messages import FASTEST, MOST_POINTS
 from .palettes import PALETTES
 from .presets import PRESETS, Preset
 from .session import TRACES
-from .setup import FINEST, INTERVAL, KINDS, MOST_FRAMES
+from .setup import FINEST, INTERVAL, KINDS
 
 _SHOWN = ("kind", "seed", "filaments_per_square", "magnitude", "stripes")
 
 
 @cache
-def about(idle_seconds: float) -> dict[str, Any]:
+def about() -> dict[str, Any]:
     """Return all that the page is built from, as it is sent."""
     return {
         "version": __version__,
         "limits": {
             "points": FINEST,
-            "steps": MOST_STEPS,
-            "frames": MOST_FRAMES,
             "stroke": MOST_POINTS,
-            "idle_seconds": idle_seconds,
             "fastest": FASTEST,
         },
         "parameters": [_told(item) for item in PARAMETERS],

@@ -60,10 +60,13 @@ async def make(name: str, link: str, folder: Path, left: Callable[[], Awaitable[
 
 def _check(cell: setup.SetUp) -> None:
     frames = cell.t / cell.every
+    if frames < 1:
+        rule = f"at least {cell.every:g}, one frame"
+        raise InputError("t", cell.t, rule, "let the cell go on, then export it")
     points = [cell.filled()["grid"][key] for key in ("n_theta", "n_z")]
     most = min(MOST, MOST_VALUES // (points[0] * points[1]))
-    if not 1 <= frames <= most:
-        rule = f"from 1 to {most} in a file made here of {points[0]} x {points[1]} points"
+    if frames > most:
+        rule = f"at most {most} in a file made here of {points[0]} x {points[1]} points"
         raise InputError("frames", round(frames), rule, "use the TOML with cyclosis run")
 
 

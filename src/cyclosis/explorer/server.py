@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ MOST_FILES = 4
 """Files that are made or given away at once; they are made one after another."""
 SENDING = 600.0
 """Seconds within which a file is taken."""
-MISSING = "install Node.js 20 or newer, then run `make page` or reinstall cyclosis"
+MISSING = "install Node.js 20.19 or newer, then run `make page` or reinstall cyclosis"
 _SECURITY = {
     "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' blob: data:; connect-src 'self' ws: wss:; frame-ancestors 'none'",
@@ -108,7 +109,7 @@ def application(limits: Limits | None = None) -> FastAPI:
 
     @app.get("/api/about")
     def told() -> JSONResponse:
-        return JSONResponse(about(allowed.idle_seconds))
+        return JSONResponse(about())
 
     @app.get("/api/export/{name}")
     async def export(name: str, cell: str, request: Request) -> Response:
@@ -155,8 +156,8 @@ def application(limits: Limits | None = None) -> FastAPI:
     return app
 
 
-def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None = None) -> None:
-    """Serve until interrupted. `ready` is called once the server answers.
+def serve(host: str, port: int, limits: Limits, ready: Callable[[int], Any] | None = None) -> None:
+    """Serve until interrupted; at port 0, at any free one. `ready` is called with the port once it answers.
 
     Raises `InputError` where the page is not built or the port is taken.
     """
@@ -174,8 +175,11 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None 
         )
         # Connections inherit it: else a picture waits some 40 ms for word that the last one came.
         listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    except (socket.gaierror, UnicodeError, TypeError) as error:
+        rule = "a name or an address of this machine"
+        raise InputError("host", host, rule, "choose another with --host") from error
     except OSError as error:
-        rule = f"a free place to listen ({error.strerror})"
+        rule = f"a free place to listen ({os.strerror(error.errno) if error.errno else error})"
         raise InputError("host and port", f"{host}:{port}", rule, "choose another with --port") from error
 
     sys.setswitchinterval(0.001)  # the thread that answers waits for those that compute
@@ -184,7 +188,7 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[], Any] | None 
         async def startup(self, sockets: Any = None) -> None:
             await super().startup(sockets)
             if ready is not None:
-                ready()
+                ready(listening.getsockname()[1])
 
     how = uvicorn.Config(
         application(limits),
@@ -205,7 +209,10 @@ def _known_host(header: str, allowed: Limits) -> bool:
 def _same_origin(socket: WebSocket) -> bool:
     origin, host = socket.headers.get("origin"), socket.headers.get("host", "")
     # A program that is no browser names no origin, and can be misled by no page.
-    return origin is None or urlsplit(origin).netloc == host
+    try:
+        return origin is None or urlsplit(origin).netloc == host
+    except ValueError:
+        return False
 
 
 def _name(address: str) -> str:

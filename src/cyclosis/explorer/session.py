@@ -54,9 +54,11 @@ class Session:
         self._record()
 
     def kinds(self) -> set[Kind]:
-        """Return the kinds that computing on for a moment may need."""
-        schedule = self.live.course.schedule
-        return kinds(schedule, self.live.grid, schedule.done(self.live.t))
+        """Return the kinds that computing on to the next frame needs."""
+        schedule, t = self.live.course.schedule, self.live.t
+        done = schedule.done(t)
+        changes = done < len(schedule.times) and schedule.times[done] <= t + self.live.every
+        return kinds(schedule, self.live.grid, done) if changes else {self.kind}
 
     @property
     def kind(self) -> Kind:

@@ -65,8 +65,9 @@ class SetUp:
         filled = {name: defaults(name) | self.tables[name] for name in ("parameters", "grid")}
         initial = self.tables["initial"]
         kind = initial.get("kind", KIND)
-        # In an ordered state what is left out means no noise, not its default.
-        used = ("kind", *config.USED_BY[kind]) if kind == KIND else ()
+        # In an ordered state noise that is left out means none, not its default.
+        noise = () if kind == KIND else ("seed", "filaments_per_square", "noise_grid")
+        used = {"kind", *config.USED_BY[kind]} - set(noise)
         filled["initial"] = {name: value for name, value in defaults("initial").items() if name in used}
         filled["initial"] |= initial
         return filled | {"run": dict(self.tables["run"])}

@@ -6,6 +6,7 @@ import asyncio
 import json
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Protocol
 
 from ..model.errors import InputError
@@ -228,7 +229,9 @@ class Visit:
     async def _tell(self, fresh: bool = False) -> None:
         cell = self.session
         assert cell is not None
-        live = cell.live
+        live, told = cell.live, cell.told()
+        if self.catching_up is not None:  # an address that is copied now keeps the time it asks for
+            told = replace(told, t=max(told.t, self.catching_up))
         in_force = {
             name: value if not getattr(value, "ndim", 0) else float(value.mean())
             for name, value in live.params_now.items()
@@ -239,7 +242,7 @@ class Visit:
             parameters=in_force,
             special=cell.special(),
             protocol=[{"at": step.at, "text": str(step)} for step in live.protocol],
-            link=cell.told().link(),
+            link=told.link(),
             t=live.t,
             playing=self.playing,
             speed=self.speed,

@@ -59,7 +59,9 @@ def bifurcation(
     """
     chosen = [choice("measure", measure, tuple(SYMBOLS)) for measure in measures]
     names = {branch.name for branch in branches}
-    if len(names) != 1 or not chosen:
+    if not chosen:
+        raise InputError("measures", [], "at least one of " + ", ".join(SYMBOLS), "name what to draw")
+    if len(names) != 1:
         raise InputError("branches", sorted(names), "over one parameter", "draw them apart")
     lowest = min(float(branch.parameter.min()) for branch in branches)
     if log and lowest <= 0:
@@ -80,11 +82,11 @@ def bifurcation(
 
 
 def _named(branches: Sequence[Branch]) -> list[str]:
-    found: list[str] = []
-    for branch in branches:
-        name = label(branch)
-        found.append(name if name not in found else f"{name} ({found.count(name) + 1})")
-    return found
+    names = [label(branch) for branch in branches]
+    return [
+        name if name not in names[:k] else f"{name} ({names[:k].count(name) + 1})"
+        for k, name in enumerate(names)
+    ]
 
 
 def _values(branch: Branch, measure: str) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..model.errors import number
+from ..model.errors import InputError, number
 from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.dispersion import growth_rates
@@ -56,6 +56,9 @@ def dispersion(
         'dispersion.png'
     """
     chosen = list(bases)
+    if not chosen:
+        raise InputError("bases", chosen, "at least one of " + ", ".join(BASES), "name a state")
+    length = number("length", length, 1e-6, 1e4, "the default is 5")
     largest = number("largest", largest, 0.1, 1e3, "the default is 6")
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     across = (width - _LEFT - _RIGHT - (len(chosen) - 1) * _GAP) / len(chosen)

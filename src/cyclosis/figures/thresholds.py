@@ -115,6 +115,8 @@ def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
     place = names.index("alpha_u")
     other = names[1 - place] if len(axes) == 2 else None
     low = float(axes[place].edges[0])
+    if other in ("force_exponent", "repulsion_angle"):  # stripes depend on them, no formula here follows
+        return []
     if other not in ALONG:
         pair = _limits(params, None, 0.0)
         return [

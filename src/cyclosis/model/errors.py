@@ -32,6 +32,9 @@ class InputError(ValueError):
         self.field, self.value, self.rule, self.remedy = field, value, rule, remedy
         super().__init__(f"{field} = {shown(value)} cannot be used: it must be {rule}; {remedy}.")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.field, self.value, self.rule, self.remedy)
+
 
 def shown(value: Any, width: int = 60) -> str:
     """Return `value` as a short one-line text for a message."""

@@ -114,10 +114,14 @@ def select_terms(terms: Iterable[TermLike] | None = None) -> tuple[Term, ...]:
             chosen.append(Term(name, f"{name}(t, P, u)", "custom", item))
         else:
             raise InputError("terms", item, rule, "check the spelling")
+    if not chosen:
+        raise InputError("terms", [], "a list of at least one term", "name one, or leave it out for all")
     names = [term.name for term in chosen]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError("terms", name, "a list without repeats", "name each term once")
+    for term in chosen:
+        if names.count(term.name) > 1:
+            raise InputError("terms", term.name, "a list without repeats", "name each term once")
+        if term != known.get(term.name, term):
+            raise InputError("terms", term.name, "named unlike the model's own terms", "rename your function")
     return tuple(chosen)
 
 

@@ -109,7 +109,7 @@ class CylinderGrid:
         if bounded and largest > 1 + 1e-12:
             raise InputError(
                 f"max |P| of {name}",
-                float(f"{largest:.6g}"),
+                float(f"{largest:.6g}") if largest > 1.00001 else largest,
                 "at most 1, because P is a mean of unit vectors",
                 "scale the state down, or raise filaments_per_square if it is noise",
             )

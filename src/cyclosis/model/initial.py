@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from typing import Any
 
 import numpy as np
@@ -144,7 +145,7 @@ def stripes(grid: CylinderGrid, count: int = 2, magnitude: float = 0.9) -> Array
     """
     number = definition("initial", "stripes").check(count)
     if number % 2:
-        raise InputError("stripes", count, "an even number", "stripes alternate around the cell")
+        raise InputError("stripes", count, "an even number, for stripes alternate", "choose 2 or 4, say")
     if number // 2 > (grid.n_theta - 1) // 2:
         raise InputError("stripes", count, f"resolved by n_theta = {grid.n_theta}", "raise n_theta")
     state = np.zeros((2, *grid.shape))
@@ -164,7 +165,10 @@ def fitted(grid: CylinderGrid, state: Any) -> Array:
         >>> cy.initial.fitted(fine, cy.initial.stripes(coarse)).shape
         (2, 32, 48)
     """
-    array = np.asarray(state)
+    try:
+        array = np.asarray(state)
+    except (TypeError, ValueError):
+        array = np.empty(0)
     if array.ndim != 3 or array.shape[0] != 2 or min(array.shape[1:]) < 8:
         raise InputError(
             "the initial state",
@@ -207,7 +211,7 @@ def from_file(path: str, grid: CylinderGrid, frame: int = -1) -> Array:
                         "frame", frame, f"one of the {len(frames)} frames stored", "choose another"
                     )
                 stored = np.asarray(frames[frame % len(frames)])
-    except (OSError, KeyError, EOFError, ValueError, TypeError) as error:
+    except (OSError, KeyError, EOFError, ValueError, TypeError, zipfile.BadZipFile) as error:
         if isinstance(error, InputError):
             raise
         reason = " ".join(str(error).split()) or type(error).__name__

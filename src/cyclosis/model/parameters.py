@@ -117,7 +117,7 @@ class Parameters:
         return all(np.array_equal(a, b) for (_, a), (_, b) in zip(self.items(), other.items(), strict=True))
 
     def __hash__(self) -> int:
-        return hash(tuple(v.tobytes() if isinstance(v, np.ndarray) else v for _, v in self.items()))
+        return hash(tuple((v + 0.0).tobytes() if isinstance(v, np.ndarray) else v for _, v in self.items()))
 
     def _repr_html_(self) -> str:
         rows = [
@@ -146,7 +146,7 @@ def _field(name: str, value: Any) -> npt.NDArray[np.float64]:
         array = np.array(given, dtype=np.float64) if given.dtype.kind in "iuf" else None
     except (TypeError, ValueError):
         array = None
-    if array is None or array.ndim != 2:
+    if array is None or array.ndim != 2 or not array.size:
         raise InputError(name, value, rule, "give a two-dimensional array of real numbers")
     if not np.all(np.isfinite(array)) or array.min() < item.minimum or array.max() > item.maximum:
         raise InputError(name, array, rule, "change the entries that are outside or not finite")

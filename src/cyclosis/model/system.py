@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import filaments, hydrodynamics, spectral
+from .definitions import definition
 from .filaments import Term, TermLike
 from .grid import Array, CylinderGrid, interpolate
 from .hydrodynamics import FlowOperator
@@ -160,6 +161,8 @@ def system(
     parameters do not match the grid.
     """
     params.require_shape(grid.shape)
+    dealias = definition("run", "dealias").check(dealias)
+    precision = definition("run", "precision").check(precision)
     chosen = filaments.select_terms(terms)
     space = spectral.space(grid, dealias, precision)
     given = dict(params.items()) | (traced or {})
@@ -200,9 +203,9 @@ def _rate_of_change(system: System, spectrum: Any, time: Any) -> Any:
 
 
 @jax.jit
-def flow_spectrum(system: System, spectrum: Any) -> Any:
-    """Return the packed spectrum of the flow that a state drives (traceable)."""
-    return system.at(spectrum).flow_spectrum
+def flow_spectrum(system: System, spectrum: Any, time: Any = 0.0) -> Any:
+    """Return the packed spectrum of the flow that a state drives at a time (traceable)."""
+    return system.at(spectrum, time).flow_spectrum
 
 
 def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: str = "none") -> Array:

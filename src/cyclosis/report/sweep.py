@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -90,7 +91,7 @@ def status(store: Store, progress: Callable[[int, int], None]) -> str:
         lines["outcomes"] = counts(dict(found["status"].most_common()))
         lines["cost"] = f"{seconds / done:.3g} core-seconds a run"
     if damaged:
-        lines["damaged"] = f"block {ranges(damaged)}; mend with: cyclosis sweep repair {store.path}"
+        lines["damaged"] = f"block {ranges(damaged)}; mend with: {_mending(store)}"
     return listed(lines) + _failures(aside)
 
 
@@ -105,7 +106,11 @@ def verified(store: Store, bad: list[tuple[int, str]]) -> str:
         return listed({"status": f"all {store.sweep.blocks} blocks of {store.path} are whole"})
     lines = {"status": f"{len(bad)} of {store.sweep.blocks} blocks of {store.path} are missing or damaged"}
     lines |= {reason: f"block {ranges(indices)}" for reason, indices in kinds.items()}
-    return listed(lines | {"mend them": f"cyclosis sweep repair {store.path}"})
+    return listed(lines | {"mend them": _mending(store)})
+
+
+def _mending(store: Store) -> str:
+    return shlex.join(["cyclosis", "sweep", "repair", str(store.path)])
 
 
 def told(now: SweepProgress) -> str:

@@ -30,8 +30,8 @@ class RegimeMap:
 
     `x` (columns,) and `y` (rows,) are the values of the parameters `x_name` and `y_name`; `exists` and
     `stable` (states, columns, rows) say how each state stands there, in the order of `names`; `cause`
-    (states, columns, rows) in words which perturbation grows, empty where the state is stable. All other
-    parameters as in `params`, in a cell of `length`.
+    (states, columns, rows) in words which perturbation grows, or that there is no such state; empty where it
+    is stable. All other parameters as in `params`, in a cell of `length`.
 
     Example:
         >>> import cyclosis as cy

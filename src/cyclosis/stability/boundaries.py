@@ -22,7 +22,7 @@ from .equal import EqualStripes
 from .profile import check
 from .reduced import reduced
 from .thresholds import Threshold, fold_with_error, threshold_with_error
-from .uniform import check_numbers
+from .uniform import check_numbers, orders
 
 if TYPE_CHECKING:
     import xarray
@@ -124,6 +124,8 @@ def quick_limits(params: Parameters) -> tuple[float, float]:
     problem = EqualStripes(params, 2, COARSE)
     onset = params.d_r + params.d_s
     exists, stable = (0.0 if params.alpha_p > onset else np.nan), np.nan
+    if params.alpha_p == onset and params.force_exponent == 2:
+        exists = float(onset * (1 + params.mu))  # the pitchfork
     if params.alpha_p < onset:
         with suppress(InputError):
             exists = existing_from(problem).alpha_u
@@ -154,7 +156,8 @@ def rotating_limit(params: Parameters) -> float:
     """Return the κ above which circumferential order gives way to a wave that rotates about the axis.
 
     There the growth rate of the wave m = 1, q = 0 about it passes through zero; the tilted stripes begin as
-    this wave. NaN where there is no such κ from 0 to 10. Raises `InputError` for fields.
+    this wave. NaN where there is no such κ from 0 to 10. Raises `InputError` for fields and an
+    oblique d.
     """
 
     def growth(kappa: float) -> float:
@@ -165,6 +168,7 @@ def rotating_limit(params: Parameters) -> float:
         return float(rates[0].real)
 
     check_numbers(params)
+    orders(params.replace(kappa=1.0), "circumferential")  # refuses an oblique d
     low, high = growth(0.0), growth(STRONGEST)
     if not low < 0 < high:
         return np.nan

@@ -42,7 +42,7 @@ class Disorder:
         self.applies = bool(numbers and (aligned or params.kappa == 0))
         k2 = (grid.m[:, None] ** 2 + grid.q[None, :] ** 2).ravel()[1:]
         answer = 1.0 / (1.0 + params.mu * k2)
-        self.k1 = float(k2.min())
+        self.k1_squared = float(k2.min())
         self.steepest = float(np.max(np.sqrt(k2) * answer))
         self.C0, self.C1 = float(np.sqrt(np.sum(answer**2))), float(np.sqrt(np.sum(k2 * answer**2)))
 
@@ -61,9 +61,8 @@ class Disorder:
         p, c = self.params, self.steepest
         alpha_u, kappa, epsilon, a = float(p.alpha_u), float(p.kappa), p.epsilon, p.d_r - float(p.alpha_p)
         held = -kappa * M**2 if self.axial else kappa * (1 - M**2)
-        rate = (
-            a + p.d_s * self.k1 - 3 * kappa * M**2 - alpha_u * (3 * M**2 + 5 * M**4) - 3 * epsilon * c * M**3
-        )
+        turned = 3 * kappa * M**2 + alpha_u * (3 * M**2 + 5 * M**4) + 3 * epsilon * c * M**3
+        rate = a + p.d_s * self.k1_squared - turned
         around = a + held - alpha_u * (M**2 + M**4)
         if rate <= 0 or around <= 0:
             return False

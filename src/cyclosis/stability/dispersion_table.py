@@ -13,7 +13,7 @@ from ..model.grid import Array
 from ..model.parameters import Parameters
 from .dispersion import Complex, growth_rates
 from .travelling import LENGTH
-from .uniform import uniform
+from .uniform import OBLIQUE, check_numbers, uniform
 from .weakest import LONGEST_CELL
 
 if TYPE_CHECKING:
@@ -52,11 +52,16 @@ def dispersion_table(
 ) -> DispersionTable:
     """Return the growth rates of up to `waves` waves around and along a cell of a length.
 
-    Waves that are mirror images grow alike and are listed once. Raises `InputError` as `growth_rates`.
+    Of waves that are mirror images, which grow alike unless d is oblique, one is listed. Raises `InputError`
+    as `growth_rates`.
     """
     waves = whole("waves", waves, 0, 1024, "the default is 3")
     length = number("length", length, 1e-6, LONGEST_CELL, "choose another length")
     m, j = (axis.ravel() for axis in np.indices((waves + 1, waves + 1)))
+    check_numbers(params)
+    if params.kappa > 0 and abs(np.sin(2 * params.repulsion_angle)) > OBLIQUE:
+        both = (m > 0) & (j > 0)
+        m, j = np.append(m, m[both]), np.append(j, -j[both])
     q: Array = np.asarray(2 * np.pi / length * j, dtype=np.float64)
     rates = growth_rates(params, base, m, q)
     first = np.argsort(-rates[:, 0].real, kind="stable")

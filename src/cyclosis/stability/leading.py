@@ -28,7 +28,7 @@ FAST = 5.0
 
 def rate_scale(params: Parameters) -> float:
     """Return a bound on what alignment and repulsion do to a perturbation, dimensionless (per R/U)."""
-    return float(params.alpha_p + 3 * params.alpha_u + params.kappa + params.d_r)
+    return float(params.alpha_p + (params.force_exponent + 1) * params.alpha_u + params.kappa + params.d_r)
 
 
 def most_waves(params: Parameters, spacing: float) -> int:

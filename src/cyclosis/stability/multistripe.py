@@ -36,8 +36,8 @@ class StripeModes:
     """Growth rates of perturbations of P_z of `count` equal stripes by α_u and phase, dimensionless.
 
     `growth` (alpha_u, count/2 + 1) is the largest at each b = 0 ... count/2, without the neutral rotation;
-    NaN where there is no such state. `unstable` (alpha_u,) counts the modes that grow, partners too, -1
-    where there is no state.
+    NaN where there is no such state. `unstable` (alpha_u,) counts the phases at which a mode grows,
+    b and -b as two; -1 where there is no state.
     """
 
     count: int

@@ -40,8 +40,8 @@ class Neighbourhood(Limits):
 def neighbourhood(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> Neighbourhood:
     """Return the `Neighbourhood` at values `alpha_p` (points,) (default: 0.9 to 1.1 times d_r + d_s).
 
-    `params` gives all else; its alpha_p and alpha_u play no part. Raises `InputError` for values out of
-    range, as `corner`, and for a force that is not cubic.
+    d_r + d_s itself is always among them. `params` gives all else; its alpha_p and alpha_u play no part.
+    Raises `InputError` for values out of range, as `corner`, and for a force that is not cubic.
 
     Example:
         >>> import cyclosis as cy
@@ -54,7 +54,14 @@ def neighbourhood(params: Parameters, alpha_p: npt.ArrayLike | None = None) -> N
     check(params)
     if params.force_exponent != 2:
         raise InputError("force_exponent", params.force_exponent, "2 here", "use fold and threshold")
-    values = (params.d_r + params.d_s) * np.linspace(0.9, 1.1, 41) if alpha_p is None else alpha_p
+    onset = params.d_r + params.d_s
+    values = (
+        onset * np.linspace(0.9, 1.1, 41)
+        if alpha_p is None
+        else np.ravel(np.asarray(alpha_p, dtype=np.float64))
+    )
+    if not np.isclose(values, onset, rtol=1e-9, atol=0).any():
+        values = np.sort(np.append(values, onset))
     found = limits(params, values)
     return Neighbourhood(**vars(found), corner=corner(params))
 
@@ -65,9 +72,10 @@ def corner(params: Parameters) -> tuple[float, float]:
     Raises `InputError` where that does not happen between α_p = d_r and d_r + d_s.
     """
     check(params)
+    n = resolution(params.replace(alpha_p=params.d_r + params.d_s))
 
     def marginal(alpha_p: float) -> float:
-        problem = EqualStripes(params.replace(alpha_p=alpha_p), 2, resolution(params))
+        problem = EqualStripes(params.replace(alpha_p=alpha_p), 2, n)
         return problem.leading(existing_from(problem).state, WIDTHS).rate
 
     low, high = params.d_r, params.d_r + 0.999 * params.d_s
@@ -75,5 +83,5 @@ def corner(params: Parameters) -> tuple[float, float]:
         rule = "where stripes at the fold are stable for alpha_p = d_r, and unstable near d_r + d_s"
         raise InputError("mu", params.mu, rule, "choose others")
     found = float(brentq(marginal, low, high, xtol=1e-12))
-    problem = EqualStripes(params.replace(alpha_p=found), 2, resolution(params))
+    problem = EqualStripes(params.replace(alpha_p=found), 2, n)
     return found, existing_from(problem).alpha_u

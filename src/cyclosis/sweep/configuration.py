@@ -14,12 +14,12 @@ from .. import config
 from ..dynamics.protocol import Protocol
 from ..dynamics.schedule import Schedule
 from ..model import initial
-from ..model.definitions import RUN, Definition, definition
+from ..model.definitions import RUN, definition
 from ..model.errors import InputError, closest, shown
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from . import axes, variables
-from .definitions import AXES, ENSEMBLE, MAX_MEMBERS, TABLES
+from .definitions import AXES, MAX_MEMBERS, TABLES
 
 Tables = dict[str, Any]
 """Tables by name, and under "protocol" the list of a protocol's steps where there is one."""
@@ -239,7 +239,6 @@ def _refuse_crowds(tables: Tables) -> None:
 
 def _block(tables: Tables, grid: CylinderGrid) -> int:
     """Return the members of a block: as asked, or whole points of the axes, or slices of a point."""
-    item = _definition(ENSEMBLE, "block")
     each = 2 * grid.n_theta * grid.n_z * 8
     asked, seeds = tables["ensemble"]["block"], tables["ensemble"]["seeds"]
     if asked is None:
@@ -248,7 +247,7 @@ def _block(tables: Tables, grid: CylinderGrid) -> int:
     largest = MOST_BYTES // each
     if tables["record"]["fields"] and asked > largest:
         rule = f"at most {largest} with fields on this grid, for a file can hold no more"
-        raise InputError(item.name, asked, rule, "lower it, or store no fields")
+        raise InputError("block", asked, rule, "lower it, or store no fields")
     return int(asked)
 
 
@@ -321,10 +320,6 @@ def _up(value: float) -> float:
 
 def _plain(grid: CylinderGrid) -> dict[str, Any]:
     return {"n_theta": grid.n_theta, "n_z": grid.n_z, "length": grid.length}
-
-
-def _definition(items: tuple[Definition, ...], name: str) -> Definition:
-    return next(item for item in items if item.name == name)
 
 
 def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:

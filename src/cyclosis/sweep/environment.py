@@ -80,6 +80,11 @@ def cores() -> list[int]:
     return list(range(os.cpu_count() or 1))
 
 
+def processes(found: Mapping[str, str]) -> int:
+    """Return how many workers suit this machine: one a GPU, or one a core."""
+    return len(accelerators(found)) or len(cores())
+
+
 def idlest_cores() -> list[int]:
     """Return those cores, the ones with the least to do first: others may compute here as well."""
     busy = psutil.cpu_percent(0.1, percpu=True)

@@ -11,7 +11,7 @@ import numpy as np
 import psutil
 
 from .block import compute
-from .environment import accelerators, cores
+from .environment import processes
 from .packed import pack
 from .plan import Sweep
 
@@ -48,7 +48,7 @@ def estimate(sweep: Sweep, workers: int | None = None, budget: float = BUDGET_SE
     `workers` are by default as many as `run_sweep` would start here. The sample is made of ever more points,
     evenly spread over all axes, with the first seed, as long as the next would fit into `budget` seconds.
     """
-    count = workers or len(accelerators(os.environ)) or len(cores())
+    count = workers or processes(os.environ)
     began = time.perf_counter()
     arrays = compute(_sample(sweep, 1), 0)
     first = time.perf_counter() - began

@@ -102,10 +102,18 @@ def repair(
         >>> repair("whole").status  # nothing to do, so that no worker starts
         'complete'
     """
+    _check(workers, client)
     kept = Store(store)
     for index in {index for index, _ in kept.verify()} & kept.present() | kept.failed().keys():
         kept.discard(index)
     return _complete(kept, client, workers, progress, compute)
+
+
+def _check(workers: int | None, client: Client | None) -> None:
+    if workers is not None:
+        whole("workers", workers, 1, MOST_WORKERS, "leave it out for one a core")
+        if client is not None:
+            raise InputError("workers", workers, "left out beside a client", "start them on its cluster")
 
 
 def _complete(
@@ -115,10 +123,7 @@ def _complete(
     progress: Watcher | None,
     compute: Compute | None,
 ) -> SweepSummary:
-    if workers is not None:
-        workers = whole("workers", workers, 1, MOST_WORKERS, "leave it out for one a core")
-        if client is not None:
-            raise InputError("workers", workers, "left out beside a client", "start them on its cluster")
+    _check(workers, client)
     store.clean()
     execution = Execution(store, progress or (lambda now: None))
     if not execution.agenda:

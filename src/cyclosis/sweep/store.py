@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import platform
 import re
+import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
@@ -28,7 +29,6 @@ from ..dataset.netcdf import sync_folder, unwritable
 from ..model.errors import InputError
 from ..version import __version__
 from .configuration import differences
-from .durable import STALE_SECONDS as STALE_SECONDS
 from .durable import files, is_stale, make_folder, read_json, write, write_json
 from .packed import SCHEMA, Arrays, Damaged, pack, unpack
 from .plan import Sweep
@@ -154,9 +154,8 @@ class Store:
         try:
             return self._load(index, names)
         except Damaged as error:
-            remedy = (
-                f"find all such blocks with `cyclosis sweep verify {self.path}` and mend them with repair"
-            )
+            verify = shlex.join(["cyclosis", "sweep", "verify", str(self.path)])
+            remedy = f"find all such blocks with `{verify}` and mend them with repair"
             rule = f"a whole block of this sweep, but it is {error}"
             raise InputError(f"block {index}", str(self.path_of(index)), rule, remedy) from error
 

@@ -10,15 +10,14 @@ from typing import Any
 
 import cloudpickle
 import numpy as np
-import numpy.typing as npt
 
 from ..model.errors import InputError
 from ..version import __version__
+from .packed import Arrays
 from .plan import Sweep
 from .store import Store
 from .variables import meanings
 
-Arrays = dict[str, npt.NDArray[Any]]
 Compute = Callable[[Sweep, int], Arrays]
 
 
@@ -97,7 +96,7 @@ def described(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())[:500]
 
 
-def counted(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> dict[str, int]:
+def counted(arrays: Mapping[str, Any], name: str) -> dict[str, int]:
     """Return how many members have each value of a coded variable, `regime` or `status`."""
     names = meanings("regimes" if name == "regime" else "outcomes")
     codes, counts = np.unique(arrays[name], return_counts=True)

@@ -113,7 +113,6 @@ export function diagram(hub: Hub): HTMLElement {
 
   const describe = (): void => {
     const names = others(parameters, hub.parameters);
-    canvas.classList.toggle('moved', names.length > 0);
     note.classList.toggle('warn', names.length > 0);
     note.textContent = names.length
       ? `The colours were computed with other ${names.join(', ')} than this cell has, and are dimmed. ${caption}`

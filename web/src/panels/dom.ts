@@ -18,7 +18,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A panel that folds, with its title; narrow windows start with it folded unless `open`. */
+/** A panel that folds, with its title; in narrow windows all start folded but two. */
 export function panel(id: string, title: string, open: boolean, ...children: Child[]): HTMLDetailsElement {
   const heading = h('h2', {}, title);
   return h('details', { class: 'panel', id: `panel-${id}`, open }, h('summary', {}, heading), h('div', { class: 'body' }, ...children));
@@ -26,7 +26,7 @@ export function panel(id: string, title: string, open: boolean, ...children: Chi
 
 /** Whether keys pressed there belong to the thing itself. */
 export function takesKeys(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && target.closest('input, select, textarea, button, summary, a, canvas, dialog, [tabindex="0"]') !== null;
+  return target instanceof HTMLElement && target.closest('input, select, textarea, button, summary, a, dialog') !== null;
 }
 
 const TOKEN = /([A-Za-zα-ωΑ-Ω]+)_([A-Za-zα-ω0-9])|([⁽][^⁾]*[⁾])/gu;

@@ -4,7 +4,7 @@ import { short } from './scales';
 
 /** What was done to this cell, and what will be. */
 export function interventions(hub: Hub): HTMLElement {
-  const list = h('ol', { id: 'interventions' });
+  const list = h('ol', { id: 'interventions', tabindex: 0, 'aria-label': 'What was done' });
   const none = h('p', { class: 'note' }, 'Nothing yet. Whatever you change, cut or add is listed here and kept in the address.');
   let shown = '';
   let steps: [number, HTMLElement][] = [];

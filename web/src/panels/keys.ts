@@ -1,4 +1,5 @@
 import { h, takesKeys } from './dom';
+import { keep, kept } from './kept';
 
 export interface Keys {
   element: HTMLDialogElement;
@@ -7,16 +8,18 @@ export interface Keys {
 
 /** Keys for everything that is done often, and the list of them. */
 export function keys(bindings: [key: string, text: string, act: () => void][]): Keys {
+  const on = h('input', { type: 'checkbox', id: 'keys-on', checked: kept('keys') !== 'off', onchange: () => keep('keys', on.checked ? 'on' : 'off') });
   const close = h('button', { class: 'main', onclick: () => dialog.close(), autofocus: true }, 'Close');
   const dialog = h(
     'dialog', { id: 'help', 'aria-labelledby': 'help-title' },
     h('h2', { id: 'help-title' }, 'Keys'),
     h('dl', {}, ...bindings.flatMap(([key, text]) => [h('dt', {}, h('kbd', {}, key === ' ' ? 'Space' : key)), h('dd', {}, text)]),
       h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, 'on to the next control; in the phase diagram arrows move and Enter goes there')),
+    h('p', {}, h('label', {}, on, ' these keys work everywhere on the page')),
     close,
   );
   document.addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || dialog.open) return;
+    if (!on.checked || event.ctrlKey || event.metaKey || event.altKey || dialog.open || (event.repeat && event.key !== '.')) return;
     const control = takesKeys(event.target);
     const typing = event.target instanceof HTMLElement && event.target.closest('input:not([type=range]):not([type=checkbox]), select, textarea') !== null;
     const found = bindings.find(([key]) => key === event.key);

@@ -1,6 +1,7 @@
 import type { Palette } from '../protocol';
 import type { Hub } from './hub';
 import { h, panel } from './dom';
+import { keep, kept } from './kept';
 
 type Theme = 'auto' | 'light' | 'dark';
 
@@ -10,22 +11,6 @@ export interface LookTarget {
 }
 
 const system = matchMedia('(prefers-color-scheme: dark)');
-
-function kept(name: string): string | null {
-  try {
-    return localStorage.getItem(`cyclosis-${name}`);
-  } catch {
-    return null;
-  }
-}
-
-function keep(name: string, value: string): void {
-  try {
-    localStorage.setItem(`cyclosis-${name}`, value);
-  } catch {
-    // A browser that keeps nothing still shows the choice.
-  }
-}
 
 export function keptTheme(): Theme {
   const theme = kept('theme');

@@ -23,7 +23,7 @@ export function newCell(hub: Hub): HTMLElement {
   hub.on('cell', (cell) => {
     if (!cell.fresh) return;
     for (const e of entries) {
-      const value = cell.setup[e.table][e.definition.name] ?? e.definition.default;
+      const value = cell.setup[e.table][e.definition.name];
       e.input.value = value === null || value === undefined ? '' : String(value);
     }
     adapt();

@@ -1,6 +1,6 @@
 import type { Hub } from './hub';
 import { h } from './dom';
-import { fromSlider, short, toSlider } from './scales';
+import { fromSlider, short, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
 
 /** What the cell is doing now, and the handles of time. */
@@ -12,7 +12,7 @@ export function now(hub: Hub): HTMLElement {
   const regime = h('p', { id: 'regime' }, name, ' ', reason);
   // The reason's numbers change at every frame: only another regime is read out.
   const spoken = h('p', { id: 'regime-spoken', class: 'hidden', role: 'status', 'aria-live': 'polite' });
-  const clock = h('output', { id: 'clock', title: 'time in units of R/U' }, 't = 0');
+  const clock = h('output', { id: 'clock', 'aria-live': 'off', title: 'time in units of R/U' }, 't = 0');
   const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': 'catching up with the saved cell' });
 
   const play = h('button', { id: 'play', class: 'main', 'aria-pressed': 'false', onclick: () => toggle(hub) }, '▶ Play');
@@ -23,7 +23,7 @@ export function now(hub: Hub): HTMLElement {
   const value = h('output', { for: 'speed' });
   const send = throttle((speed: number) => ask({ do: 'speed', value: speed }), 80);
   const speed = h('input', {
-    id: 'speed', type: 'range', min: 0, max: 1000, step: 1,
+    id: 'speed', type: 'range', min: 0, max: STEPS, step: 1,
     oninput: () => {
       const wanted = fromSlider(Number(speed.value), range, true);
       describe(wanted);
@@ -63,7 +63,6 @@ export function now(hub: Hub): HTMLElement {
       spoken.textContent = `${frame.regime.name}: ${frame.regime.reason}`;
     }
     if (reason.textContent !== frame.regime.reason) reason.textContent = frame.regime.reason;
-    regime.dataset.regime = frame.regime.name;
   });
 
   return h(

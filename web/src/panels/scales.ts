@@ -1,4 +1,4 @@
-/** Steps of every slider. */
+/** Steps of a slider over a range of values. */
 export const STEPS = 1000;
 
 /** Whether a range is wide enough that equal steps should be equal ratios. */

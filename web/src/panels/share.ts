@@ -13,7 +13,8 @@ const FILES: [Kind, string, string][] = [
 export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
   // Browsers refuse an address that changes too often.
   const writeAddress = throttle((link: string) => history.replaceState(null, '', `#${link}`), 350);
-  setInterval(() => void hub.refresh(), 2000);
+  // A page that nobody sees asks for nothing, so that its cell can end.
+  setInterval(() => { if (!document.hidden) void hub.refresh(); }, 2000);
   const copied = h('span', { class: 'note', role: 'status' });
   const copy = h('button', { id: 'share', class: 'main', onclick: async () => {
     await hub.refresh();

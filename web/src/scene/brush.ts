@@ -5,8 +5,6 @@ export type Point = [number, number];
 const TURN = 2 * Math.PI;
 /** Milliseconds between batches: each is a step of the protocol. */
 const PAUSE = 150;
-/** Points in one batch at most. */
-const MOST = 100;
 
 /** The nearest copy of `to` as seen from `from`, with period `period`. */
 export function nearest(from: number, to: number, period: number): number {
@@ -24,7 +22,7 @@ export class Stroke {
   private sent: number;
 
   constructor(
-    private readonly send: (points: Point[], done: boolean) => void,
+    private readonly send: (points: Point[]) => void,
     private readonly radius: number,
     private readonly length: number,
     now: number,
@@ -52,14 +50,13 @@ export class Stroke {
     this.last = point;
     // The newest point stays behind, so that the end of a stroke always has one to send.
     if (now - this.sent >= PAUSE && this.waiting.length > 1) {
-      this.send(this.waiting.splice(0, Math.min(MOST, this.waiting.length - 1)), false);
+      this.send(this.waiting.splice(0, this.waiting.length - 1));
       this.sent = now;
     }
   }
 
   end(): void {
-    while (this.waiting.length > MOST) this.send(this.waiting.splice(0, MOST), false);
-    if (this.waiting.length) this.send(this.waiting, true);
+    if (this.waiting.length) this.send(this.waiting);
     this.waiting = [];
   }
 }

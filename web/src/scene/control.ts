@@ -14,10 +14,9 @@ const TURN = 2 * Math.PI;
 export class Control {
   tool: Tool = 'turn';
   readonly mark: BrushMark = { theta: Math.PI, z: 2.5, radius: 0.3, shown: false };
-  onStroke: ((points: Point[], done: boolean) => void) | null = null;
+  onStroke: ((points: Point[]) => void) | null = null;
 
   private stroke: Stroke | null = null;
-  private readonly stops: (() => void)[];
 
   constructor(
     private readonly cylinder: HTMLCanvasElement,
@@ -28,7 +27,7 @@ export class Control {
     private readonly changed: () => void,
   ) {
     let painting = false;
-    const turned = listen(cylinder, {
+    listen(cylinder, {
       start: (x, y, second) => {
         const at = view.pick(x, y);
         painting = this.painting && !second && at !== null;
@@ -47,7 +46,7 @@ export class Control {
         changed();
       },
     });
-    const mapped = listen(map.moving, {
+    listen(map.moving, {
       start: (x, y, second) => {
         const at = map.pick(x, y, false)!;
         painting = this.painting && !second;
@@ -63,14 +62,11 @@ export class Control {
       hover: (at) => this.point(at && map.pick(...at, true)),
       pinch: () => undefined,
     });
-    const stop = new AbortController();
-    const { signal } = stop;
-    cylinder.addEventListener('wheel', (event) => this.wheel(event), { signal, passive: false });
-    cylinder.addEventListener('keydown', (event) => this.cylinderKey(event), { signal });
-    map.moving.addEventListener('keydown', (event) => this.mapKey(event), { signal });
-    map.moving.addEventListener('focus', () => this.showCursor(), { signal });
-    map.moving.addEventListener('blur', () => this.point(null), { signal });
-    this.stops = [turned, mapped, () => stop.abort()];
+    cylinder.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
+    cylinder.addEventListener('keydown', (event) => this.cylinderKey(event));
+    map.moving.addEventListener('keydown', (event) => this.mapKey(event));
+    map.moving.addEventListener('focus', () => this.showCursor());
+    map.moving.addEventListener('blur', () => this.point(null));
     this.setTool('turn', this.mark.radius);
   }
 
@@ -99,7 +95,7 @@ export class Control {
 
   private begin(at: Point): void {
     this.point(at);
-    const send = (points: Point[], done: boolean): void => this.onStroke?.(points, done);
+    const send = (points: Point[]): void => this.onStroke?.(points);
     this.stroke = new Stroke(send, this.mark.radius, this.fields.length, performance.now());
     this.stroke.add(at, performance.now());
   }
@@ -164,13 +160,9 @@ export class Control {
     } else if ((event.key === 'Enter' || event.key === ' ') && this.painting) {
       const z = Math.min(mark.z, fields.length * (1 - 1e-6));
       this.point([mark.theta, z]);
-      if (!event.repeat) this.onStroke?.([[mark.theta, z]], true);
+      if (!event.repeat) this.onStroke?.([[mark.theta, z]]);
     } else return;
     event.preventDefault();
     event.stopPropagation();
-  }
-
-  dispose(): void {
-    for (const stop of this.stops) stop();
   }
 }

@@ -147,16 +147,6 @@ export class Cylinder {
     order.needsUpdate = true;
   }
 
-  dispose(): void {
-    this.trails.dispose();
-    for (const mesh of [this.surface, this.end]) {
-      mesh.geometry.dispose();
-      (mesh.material as THREE.Material).dispose();
-    }
-    this.order?.dispose();
-    this.colours.dispose();
-    this.renderer.dispose();
-  }
 }
 
 const size = new THREE.Vector2();

@@ -10,11 +10,10 @@ export interface Hand {
   pinch(factor: number, y: number): void;
 }
 
-/** Returns what stops listening. */
-export function listen(canvas: HTMLElement, hand: Hand): () => void {
+/** Tell `hand` what pointers do on a canvas. */
+export function listen(canvas: HTMLElement, hand: Hand): void {
   const pointers = new Map<number, [number, number]>();
   let dragging = false;
-  const stop = new AbortController();
   const at = (event: PointerEvent): [number, number] => {
     const bounds = canvas.getBoundingClientRect();
     return [event.clientX - bounds.left, event.clientY - bounds.top];
@@ -30,7 +29,7 @@ export function listen(canvas: HTMLElement, hand: Hand): () => void {
     if (event.pointerType === 'touch') hand.hover(null);
   };
   const on = (name: string, heard: (event: PointerEvent) => void): void =>
-    canvas.addEventListener(name, heard as EventListener, { signal: stop.signal });
+    canvas.addEventListener(name, heard as EventListener);
 
   on('pointerdown', (event) => {
     const place = at(event);
@@ -65,5 +64,4 @@ export function listen(canvas: HTMLElement, hand: Hand): () => void {
   on('pointercancel', end);
   on('pointerleave', () => hand.hover(null));
   on('contextmenu', (event) => event.preventDefault());
-  return () => stop.abort();
 }

@@ -17,6 +17,8 @@ export interface SceneOptions {
   map: HTMLElement;
   palette: Palette;
   dark: boolean;
+  /** Told to the visitor. */
+  notice(sentence: string): void;
 }
 
 /** Milliseconds between redrawings of the map's colours, and of its streamlines. */
@@ -29,7 +31,7 @@ const FEW = 300;
 export class Scene {
   playing = false;
   onDrawn: ((frame: number) => void) | null = null;
-  onStroke: ((points: [number, number][], done: boolean) => void) | null = null;
+  onStroke: ((points: [number, number][]) => void) | null = null;
 
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
@@ -38,12 +40,9 @@ export class Scene {
   private readonly map: UnwrappedMap;
   private readonly control: Control;
   private readonly quality = new Quality();
-  private readonly observer = new ResizeObserver(() => this.resize());
   private cylinder: Cylinder | null = null;
-  private missing: string | null = null;
   private lost = false;
 
-  private request = 0;
   private last = 0;
   private lastShown = -1;
   private mapped = { at: 0, version: -1, mixing: -1 };
@@ -75,8 +74,9 @@ export class Scene {
     try {
       this.cylinder = new Cylinder(this.canvas, this.particles, palette, dark, software);
     } catch {
-      this.missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
+      const missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
       this.canvas.hidden = true;
+      options.cylinder.append(Object.assign(document.createElement('p'), { className: 'note', textContent: missing }));
     }
     this.canvas.addEventListener('webglcontextlost', this.onLost);
     this.canvas.addEventListener('webglcontextrestored', this.onRestored);
@@ -84,15 +84,12 @@ export class Scene {
       this.dirty = true;
     };
     this.control = new Control(this.canvas, this.map, this.view, this.fields, changed);
-    this.control.onStroke = (points, done) => this.onStroke?.(points, done);
-    this.observer.observe(options.cylinder);
-    this.observer.observe(options.map);
+    this.control.onStroke = (points) => this.onStroke?.(points);
+    const observer = new ResizeObserver(() => this.resize());
+    observer.observe(options.cylinder);
+    observer.observe(options.map);
     this.resize();
-    this.request = requestAnimationFrame(this.loop);
-  }
-
-  get webgl(): string | null {
-    return this.missing ?? (this.lost ? 'The browser has taken WebGL away for the moment; the map goes on.' : null);
+    requestAnimationFrame(this.loop);
   }
 
   get statistics(): { frames: number; fps: number; lastShown: number } {
@@ -149,19 +146,10 @@ export class Scene {
     return beside(groups, this.options.cylinder);
   }
 
-  dispose(): void {
-    cancelAnimationFrame(this.request);
-    this.observer.disconnect();
-    this.control.dispose();
-    this.canvas.removeEventListener('webglcontextlost', this.onLost);
-    this.canvas.removeEventListener('webglcontextrestored', this.onRestored);
-    this.cylinder?.dispose();
-    for (const canvas of [this.canvas, this.map.still, this.map.moving]) canvas.remove();
-  }
-
   private readonly onLost = (event: Event): void => {
     event.preventDefault(); // or it never comes back
     this.lost = true;
+    this.options.notice('The browser has taken the cylinder away for the moment; the map goes on.');
   };
 
   private readonly onRestored = (): void => {
@@ -179,7 +167,7 @@ export class Scene {
   }
 
   private readonly loop = (now: number): void => {
-    this.request = requestAnimationFrame(this.loop);
+    requestAnimationFrame(this.loop);
     const since = now - this.last;
     const { fields } = this;
     // Without a change nothing is drawn: a cell that is paused costs nothing.

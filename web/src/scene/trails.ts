@@ -59,10 +59,4 @@ export class Trails {
     uniforms.screen.value.set(width * pixel, height * pixel);
     this.texture.needsUpdate = true;
   }
-
-  dispose(): void {
-    this.mesh.geometry.dispose();
-    this.material.dispose();
-    this.texture.dispose();
-  }
 }
