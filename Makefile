@@ -1,6 +1,6 @@
 # make demo   set up, run the paper's Figure 4 cell, leave data and pictures in results/
 # make test   set up, run the tests and the style and type checks
-# make check  the slower physics checks
+# make check  the slower physics checks, and those of the page's parts where there is npm
 # make coverage   lines and branches that the tests of `make test` run, per room, in docs/quality.md
 # make docs   build the site of these pages in docs/_build/html; every page with code is run
 # make page   build the explorer's page anew (needs Node.js 20.19 or newer); setting up does so where it can

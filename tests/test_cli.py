@@ -112,3 +112,26 @@ def test_unknown_commands_and_options_fail_without_a_traceback():
         out = cyclosis(*arguments)
         assert out.returncode == 2
         assert "Traceback" not in out.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info .",
+        "resume .",
+        "export .",
+        "movie .",
+        "figure emergence .",
+        "figure phase-diagram .",
+        "run --t-end 1 --out .",
+        f"run --t-end 1 --out {'long' * 80}.nc",
+        "stability threshold --out x.png",
+        "stability branch kappa --from 0.45 --to 0.5 --measures max_Q --out b.png",
+    ],
+)
+def test_places_and_figures_that_cannot_be_are_refused_in_a_sentence(words, tmp_path):
+    out = cyclosis(*words.split(), cwd=tmp_path)
+    assert out.returncode == 2, out.stderr
+    assert "cannot be used: it must be" in out.stderr
+    assert len(out.stderr.strip().splitlines()) == 1
+    assert out.stdout == ""

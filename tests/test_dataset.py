@@ -1,6 +1,7 @@
 import json
 
 import numpy as np
+import psutil
 import pytest
 import xarray
 
@@ -95,3 +96,31 @@ def test_a_stored_state_is_a_valid_initial_state(result, tmp_path):
     assert np.array_equal(cy.initial.from_file(str(path), GRID, frame=1), result.frames[1])
     with pytest.raises(cy.InputError, match="frame"):
         cy.initial.from_file(str(path), GRID, frame=4)
+
+
+def test_leaving_a_dataset_closes_its_file(result, tmp_path):
+    path = cy.write(result, tmp_path / "closed.nc")
+
+    def is_open():
+        return str(path) in [file.path for file in psutil.Process().open_files()]
+
+    with cy.open_dataset(path) as data:
+        assert data["order"].size
+        assert is_open()
+    assert not is_open()
+
+
+def test_force_begins_anew_over_what_is_damaged(result, tmp_path):
+    folder = tmp_path / "run.nc.unfinished"
+    folder.mkdir()
+    (folder / "000000.nc").write_bytes(b"garbage")
+    with pytest.raises(cy.InputError):
+        cy.RunWriter(tmp_path / "run.nc")
+    cy.RunWriter(tmp_path / "run.nc", force=True).finish(result)
+    assert cy.load(tmp_path / "run.nc").t_final == result.t_final
+
+
+def test_a_packed_file_is_no_state(tmp_path):
+    (tmp_path / "state.npy").write_bytes(b"PK\x03\x04 and so on")
+    with pytest.raises(cy.InputError, match="readable"):
+        cy.initial.from_file(str(tmp_path / "state.npy"), cy.CylinderGrid(16, 16))

@@ -55,3 +55,15 @@ def test_double_precision_is_refused_where_it_cannot_be_had():
 def test_public_functions_leave_the_callers_settings_alone():
     cy.flow(PARAMS, GRID, STATE)
     assert jnp.zeros(1).dtype == jnp.float32
+
+
+def test_settings_and_names_are_checked():
+    grid = cy.CylinderGrid(16, 16)
+    state = cy.initial.stripes(grid)
+    with pytest.raises(cy.InputError, match="precision = 'double'"):
+        cy.traced.flow(cy.Parameters(), grid, state, precision="double")
+    with pytest.raises(cy.InputError, match="dealias = '3/2'"):
+        cy.flow(cy.Parameters(), grid, state, dealias="3/2")
+    with pytest.raises(cy.InputError, match="zero_theta_flux") as refused:
+        cy.traced.flow(cy.Parameters(), grid, state, precision="float32", zero_theta_flux=True)
+    assert "zero_theta_flux" not in refused.value.rule

@@ -57,3 +57,14 @@ def test_steady_cyclosis_is_settled_and_reports_its_numbers():
     assert found.widths == pytest.approx([0.5, 0.5])
     assert found.mean_P == pytest.approx([0, 0], abs=1e-9)
     assert np.hypot(*found.drift) < 1e-6
+
+
+def test_an_undecided_state_is_told_why():
+    grid = cy.CylinderGrid(32, 32)
+    P = np.zeros((2, *grid.shape))
+    P[1] = 0.5 * np.cos(2 * np.pi * grid.z / grid.length)
+    assert "along the axis, not around it" in cy.regime(cy.Parameters(), grid, P).reason
+    P[1] = 0.3 * np.cos(grid.theta)[:, None]
+    P[0] = 0.25
+    found = cy.regime(cy.Parameters(), grid, P)
+    assert (found.name, found.reason[-34:]) == ("undecided", "% of the order runs around the axis"[-34:])

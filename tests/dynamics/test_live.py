@@ -102,3 +102,24 @@ def test_aligned_filaments_point_where_they_are_told():
     mask = DISC.mask(GRID)
     assert np.allclose(live.state[0, mask], 0, atol=1e-15)
     assert np.allclose(live.state[1, mask], 0.8)
+
+
+@pytest.mark.parametrize("ramp", [{"mu": 1.0}, {"force_exponent": 0.0}])
+def test_the_flow_on_a_ramp_is_that_of_the_parameters_in_force(ramp):
+    live = begun()
+    do(live, cy.change(at=0.0, over=2.0, **ramp))
+    forward(live, 1.5)
+    expected = cy.flow(live.params_now, GRID, live.state)
+    np.testing.assert_allclose(live.flow(), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_protocols_that_do_not_go_on_from_what_was_done_are_refused_for_what_is_wrong():
+    live = begun()
+    do(live, cy.change(at=0.0, kappa=0.1))
+    forward(live, 0.5)
+    with pytest.raises(cy.InputError, match="steps already done"):
+        live.do(cy.Protocol())
+    with pytest.raises(cy.InputError, match=r"at = 0\.25 cannot be used: it must be at least 0\.5"):
+        do(live, cy.change(at=0.25, kappa=0.2))
+    with pytest.raises(cy.InputError, match="save_every = -1"):
+        Live(PARAMS, GRID, cy.initial.stripes(GRID), -1)

@@ -377,3 +377,10 @@ BAD_TABLES = {
 def test_mistakes_in_tables_name_the_step(tables, words):
     with pytest.raises(cy.InputError, match=words):
         cy.Protocol.from_tables(tables)
+
+
+def test_a_flag_that_is_washed_out_has_no_ramp():
+    flag, out = cy.change(at=0.0, zero_theta_flux=True), cy.wash_out(at=1.0, over=3.0)
+    assert len(cy.Protocol(flag, out, cy.change(at=2.0, zero_theta_flux=True))) == 3
+    with pytest.raises(cy.InputError, match="the end of the ramp of kappa"):
+        cy.Protocol(cy.change(at=0.0, kappa=0.1), out, cy.change(at=2.0, kappa=0.3))

@@ -205,3 +205,36 @@ def test_save_times_end_at_the_end():
     assert Settings(t_end=1.0, save_every=0.3).save_times() == pytest.approx([0, 0.3, 0.6, 0.9, 1.0])
     assert Settings(t_end=0.3, save_every=0.1).save_times() == pytest.approx([0, 0.1, 0.2, 0.3])
     assert Settings(t_end=0.0).save_times().tolist() == [0.0]
+
+
+def test_a_run_that_stops_where_it_has_just_saved_saves_nothing_twice():
+    singular = run(cy.Parameters(d_s=0.5), stepper="rk4", dt=1.0, t_end=5.0)
+    assert singular.status is cy.Status.DIVERGED
+    steady = run(
+        state=cy.initial.unidirectional(GRID, 0.5),
+        t_end=5.0,
+        steady_rate=1.0,
+        protocol=[cy.change(at=1.0, epsilon=0.2)],
+    )
+    assert steady.status is cy.Status.STEADY
+    for found in (singular, steady):
+        assert np.all(np.diff(found.times) > 0)
+        assert np.all(np.diff(found.record_times) > 0)
+        assert len(found.frames) == found.times.size
+
+
+def test_the_usual_step_of_rk4_is_stable_under_strong_repulsion():
+    params = cy.Parameters(kappa=60.0)
+    found = run(params, START, stepper="rk4", t_end=0.5, save_every=0.5)
+    exact = run(params, START, t_end=0.5, save_every=0.5, rtol=1e-8)
+    assert found.ok
+    np.testing.assert_allclose(found.final_state, exact.final_state, atol=5e-3)
+
+
+@pytest.mark.parametrize("terms", [[], ["advection", "its double"]])
+def test_terms_that_would_be_mistaken_for_others_are_refused(terms):
+    def shear(t, P, u, params, grid):
+        return 0.0 * P
+
+    with pytest.raises(cy.InputError, match="terms"):
+        cy.diagnose(PARAMS, GRID, START, terms=[shear if name == "its double" else name for name in terms])

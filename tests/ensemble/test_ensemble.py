@@ -180,3 +180,20 @@ def test_bad_settings_and_states_are_refused_in_a_sentence():
     with pytest.raises(cy.InputError, match="initial state"):
         follow([wrong])
     assert follow([]) == []
+
+
+def test_a_member_that_fails_on_its_last_stretch_has_diverged():
+    grid, state = cy.CylinderGrid(16, 16), np.zeros((2, 16, 16))
+    state[1] = -((-1.0) ** np.arange(16))[:, None]
+    state[1, 0] = 1.0  # without its Nyquist modes |P| is 1.875 there, and no step is taken
+    settings = EnsembleSettings(t_end=0.05, finish="t_end")
+    found = follow([Member(cy.Parameters(), grid, lambda: state)], settings)[0]
+    assert (found.status, found.t_final) == ("diverged", 0.0)
+
+
+def test_a_member_without_filaments_is_disordered():
+    grid = cy.CylinderGrid(16, 16)
+    found = follow(
+        [Member(cy.Parameters(), grid, lambda: np.zeros((2, 16, 16)))], EnsembleSettings(t_end=2.0)
+    )
+    assert found[0].regime == "disordered"

@@ -87,3 +87,8 @@ def test_cells_without_stripes_say_no():
 def test_each_outcome_is_drawn(given):
     figure = done.draw(made_up(**given))
     assert len(figure.axes) == 5
+
+
+def test_cells_of_two_sweeps_with_the_same_parameters_count_once():
+    data = made_up(seeds=40)
+    assert "of 160 final patterns" in done.verdict(data).measured  # two α_u, and two of three lengths

@@ -7,6 +7,7 @@ import pytest
 from fastapi.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
+from cyclosis.explorer import setup
 from cyclosis.explorer.server import Limits, application
 
 HOST = "http://localhost:8765"
@@ -147,3 +148,20 @@ def test_curves_of_theory_come_while_the_cell_goes_on(client):
         ask(socket, do="hash")
         assert said(socket, "hash")["t"] == 0.0
         assert said(socket, "curves")["applies"]
+
+
+def test_an_address_keeps_its_time_while_the_cell_catches_up(client):
+    cell = setup.from_tables(SETUP, t=500.0)
+    with connect(client) as socket:
+        ask(socket, do="begin", link=cell.link())
+        told = said(socket, "cell")
+    assert (told["t"], told["catching_up"]) == (0.0, 500.0)
+    assert setup.from_link(told["link"]).t == 500.0
+
+
+def test_malformed_origins_are_refused_and_no_frame_is_no_file(client):
+    with pytest.raises(WebSocketDisconnect), connect(client, origin="http://["):
+        pass
+    answer = client.get("/api/export/run.nc", params={"cell": setup.from_tables(SETUP).link()})
+    assert answer.status_code == 400
+    assert "let the cell go on" in answer.json()["sentence"]

@@ -111,3 +111,17 @@ def test_the_page_is_told_of_every_setting():
     found = about.curves(cy.Parameters())
     assert found["applies"]
     assert len(found["curves"]) >= 3
+
+
+def test_a_cell_is_told_as_it_is_and_no_noise_is_added():
+    told = setup.from_tables({"initial": {"kind": "stripes", "magnitude": 0.5}}).filled()["initial"]
+    assert told == {"kind": "stripes", "magnitude": 0.5, "stripes": 2}
+    assert "filaments_per_square" in setup.from_tables({}).filled()["initial"]
+
+
+def test_a_cell_needs_another_kind_of_program_only_when_its_protocol_comes_to_it():
+    later = [{"at": 40.0, "action": "change", "alpha_u": 0.1, "over": 5.0}]
+    session = Session(setup.from_tables({"grid": {"n_theta": 16, "n_z": 16}}, later))
+    assert session.kinds() == {session.kind}
+    soon = [later[0] | {"at": 0.1}]
+    assert len(Session(setup.from_tables({"grid": {"n_theta": 16, "n_z": 16}}, soon)).kinds()) == 2

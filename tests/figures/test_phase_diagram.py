@@ -361,3 +361,11 @@ def test_colours_grow_darker_all_along(colours):
 
 def test_the_configuration_is_that_of_the_run():
     assert json.loads(sweep(SMALL, seeds=1).attrs["configuration"])["parameters"]["kappa"] == 0.5
+
+
+@pytest.mark.parametrize("name", ["force_exponent", "repulsion_angle"])
+def test_no_limits_of_stripes_are_drawn_over_what_they_depend_on_unknown(name):
+    axes = (swept.axis(name, [0.0, 1.5]), swept.axis("alpha_u", [0.05, 0.5]))
+    names = [line.name for line in thresholds.thresholds(cy.Parameters(), axes)]
+    assert thresholds.STABLE not in names
+    assert thresholds.EXISTS not in names

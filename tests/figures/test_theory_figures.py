@@ -155,3 +155,17 @@ def test_existence_and_stability_over_alpha_p():
     assert stable.x[onset] == pytest.approx(0.05, abs=1e-12)
     assert stable.y[onset] == pytest.approx(0.0674272, abs=1e-5)
     assert np.interp(0.1, stable.x, stable.y) == pytest.approx(7.47e-3, rel=0.2)
+
+
+def test_branches_of_one_name_are_numbered(branch):
+    assert bifurcation._named([branch] * 3)[1:] == [
+        f"{bifurcation._named([branch])[0]} ({k})" for k in (2, 3)
+    ]
+
+
+def test_a_figure_of_nothing_is_refused(branch):
+    with pytest.raises(cy.InputError, match="measures"):
+        bifurcation.bifurcation([branch], measures=[])
+    for options in ({"bases": []}, {"length": 0.0}):
+        with pytest.raises(cy.InputError):
+            dispersion(cy.Parameters(), **options)

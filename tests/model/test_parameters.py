@@ -1,3 +1,5 @@
+import pickle
+
 import numpy as np
 import pytest
 
@@ -65,3 +67,18 @@ def test_every_default_passes_its_own_check():
     for table, items in TABLES.items():
         for item in items:
             assert item.check(item.default) == item.default, (table, item.name)
+
+
+def test_mistakes_survive_a_pool_of_processes():
+    with pytest.raises(cy.InputError) as refused:
+        cy.Parameters(alpha_p=-1.0)
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (str(again), again.remedy) == (str(refused.value), refused.value.remedy)
+
+
+def test_an_empty_field_is_refused_and_equal_fields_have_equal_hashes():
+    with pytest.raises(cy.InputError, match="two-dimensional"):
+        cy.Parameters(alpha_p=[[]])
+    plus, minus = (cy.Parameters(kappa=np.full((8, 8), sign * 0.0)) for sign in (1, -1))
+    assert plus == minus
+    assert hash(plus) == hash(minus)

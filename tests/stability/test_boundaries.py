@@ -57,3 +57,13 @@ def test_other_parameters_are_refused():
         boundaries.limits(cy.Parameters(), [0.1, 0.2], "kappa")
     with pytest.raises(cy.InputError, match="alpha_p"):
         boundaries.limits(cy.Parameters(), [-0.1])
+
+
+def test_quick_limits_at_the_onset_are_the_pitchfork():
+    params = cy.Parameters(alpha_p=0.05)
+    assert boundaries.quick_limits(params)[0] == pytest.approx(0.05 * 1.05, rel=1e-12)
+
+
+def test_an_oblique_direction_is_refused():
+    with pytest.raises(cy.InputError):
+        boundaries.rotating_limit(cy.Parameters(repulsion_angle=0.3))

@@ -10,6 +10,7 @@ import cyclosis as cy
 from cyclosis.model.spectral import unpack
 from cyclosis.model.system import system
 from cyclosis.stability import dispersion, uniform
+from cyclosis.stability.dispersion_table import dispersion_table
 
 GRID = cy.CylinderGrid(16, 12, 5.0)
 MODES = ((0, 0), (1, 0), (2, 0), (0, 1), (0, -2), (1, 1), (1, -1), (2, 3), (3, -2))
@@ -298,3 +299,12 @@ def test_what_no_closed_form_covers_is_refused(change, base, m, q, root, named):
 def test_tilt_threshold_of_an_oblique_repulsion_is_refused():
     with pytest.raises(cy.InputError, match="repulsion_angle"):
         dispersion.tilt_threshold(cy.Parameters(repulsion_angle=0.5))
+
+
+def test_waves_either_way_are_listed_where_repulsion_is_oblique():
+    params = cy.Parameters(force_exponent=0.0, repulsion_angle=0.5, alpha_u=0.5)
+    table = dispersion_table(params, "disorder", 1)
+    both = table.rates[(table.m == 1) & (table.j != 0), 0].real
+    assert both.size == 2
+    assert both[0] - both[1] > 0.1
+    assert dispersion_table(params.replace(repulsion_angle=0.0), "disorder", 1).m.size == 4

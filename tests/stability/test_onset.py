@@ -39,3 +39,10 @@ def test_a_force_that_is_not_cubic_is_refused():
         cy.stability.neighbourhood(cy.Parameters(force_exponent=1.0))
     with pytest.raises(cy.InputError, match="alpha_p"):
         cy.stability.neighbourhood(cy.Parameters(), [-1.0])
+
+
+def test_the_onset_is_always_there_and_ignored_parameters_are(near):
+    found = onset.neighbourhood(cy.Parameters(alpha_p=150.0), [0.049, 0.051])
+    np.testing.assert_allclose(found.alpha_p, [0.049, 0.05, 0.051])
+    assert found.exists[1] == pytest.approx(0.0525, rel=1e-6)
+    assert found.corner == pytest.approx(near.corner, rel=1e-9)

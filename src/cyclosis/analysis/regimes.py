@@ -13,7 +13,7 @@ from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from ..model.system import rate_of_change
 from .zones import DISORDER as DISORDER
-from .zones import stripe_widths, zone_angles
+from .zones import crossings, stripe_widths, zone_angles
 
 REGIMES = (
     "disordered",
@@ -123,8 +123,8 @@ def _name(P: Array, order: float, rate: float, drift: Array, explained: float) -
     if around >= DOMINANT:
         return "circumferential", f"{100 * around:.0f} % of the order runs around the axis"
     up = P[1] > 0
-    crossings = np.sum(up != np.roll(up, 1, axis=0), axis=0)
-    low, high = int(crossings.min()), int(crossings.max())
+    crossed = crossings(P)
+    low, high = int(crossed.min()), int(crossed.max())
     one_sign = bool(up.all() or not up.any())
     if low != high:
         return "undecided", f"{low} to {high} indifferent zones along the axis"

@@ -15,6 +15,18 @@ DISORDER = 0.05
 """Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""
 
 
+def crossings(P: Array) -> npt.NDArray[np.int64]:
+    """Return how often P_z of a state P (2, n_theta, n_z) changes sign around each circle z = const (n_z,).
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.zones.crossings(cy.initial.stripes(cy.CylinderGrid(16, 8), 4))
+        array([4, 4, 4, 4, 4, 4, 4, 4])
+    """
+    up = P[1] > 0
+    return np.sum(up != np.roll(up, 1, axis=0), axis=0)
+
+
 @dataclass(frozen=True)
 class Zone:
     """One closed or winding line P_z = 0 on the periodic surface; angles in radians, lengths in radii.

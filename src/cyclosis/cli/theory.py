@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..model.errors import InputError
+from ..model.errors import InputError, choice
 from .options import FORCE, QUIET, changes, commands, with_options
 
 if TYPE_CHECKING:
@@ -188,7 +188,9 @@ def branch(
     length: LENGTH = 5.0,
     measures: Annotated[
         str,
-        typer.Option(help="What to draw, separated by commas: max_P, max_u, mean_P_theta, mean_P_z, drift."),
+        typer.Option(
+            help="To draw, separated by commas: max_P, max_u, mean_P_theta, mean_P_z, rms_P, rms_u, drift."
+        ),
     ] = "max_P,mean_P_theta",
     eigenvalues: Annotated[
         bool, typer.Option("--eigenvalues", help="Draw the growth rates along the branch instead.")
@@ -203,10 +205,12 @@ def branch(
     It begins at the value of PARAMETER that its own option gives.
     """
     from .. import stability
+    from ..stability.branch import MEASURES
     from ..stability.diagram import diagram, label
 
     params = _params(options)
     _check(out, force)
+    chosen = [choice("measures", name.strip(), MEASURES) for name in measures.split(",")]
     start: Any = stability.drifting(params, points) if tilted else stability.stripes(params, stripes, points)
     found = diagram(start, parameter, (low, high), crossing, longest=longest, length=length)
     print("\n\n".join(f"{label(each)}: {each}" for each in found))
@@ -216,7 +220,7 @@ def branch(
 
         if eigenvalues:
             return spectra.eigenvalues(found[0], log)
-        return bifurcation.bifurcation(found, [name.strip() for name in measures.split(",")], log)
+        return bifurcation.bifurcation(found, chosen, log)
 
     _write(out, draw, found[0].to_dataset)
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..analysis.regimes import DISORDER, DOMINANT
+from ..analysis.zones import crossings
 from ..model.grid import Array
 
 
@@ -27,8 +28,7 @@ class Look(NamedTuple):
     @classmethod
     def of_state(cls, P: Array) -> Look:
         """Return the look of a state (2, n_theta, n_z)."""
-        up = P[1] > 0
-        changes = np.sum(up != np.roll(up, 1, axis=0), axis=0)
+        changes = crossings(P)
         order2, around2 = float(np.mean(np.sum(P**2, axis=0))), float(np.mean(P[0] ** 2))
         circling = around2 >= DOMINANT * order2
         return cls(order2 >= DISORDER**2, int(changes.min()), int(changes.max()), circling)

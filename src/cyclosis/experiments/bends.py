@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from ..analysis.zones import crossings
 from ..dynamics.simulate import simulate
 from ..model import initial
 from ..model.definitions import TERM_NAMES
@@ -34,10 +35,10 @@ def zone_lines(grid: CylinderGrid, P: Array) -> Array | None:
 
     None unless every circle is crossed by exactly two, and both close on themselves along the cell.
     """
+    if not np.all(crossings(P) == 2):
+        return None
     up = P[1] > 0
     following = np.roll(up, -1, axis=0)
-    if not np.all(np.sum(up != following, axis=0) == 2):
-        return None
     lines = []
     along = np.arange(grid.n_z)
     for crossing in (~up & following, up & ~following):

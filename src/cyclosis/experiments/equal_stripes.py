@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray
 
 from ..analysis.regimes import REGIMES
-from ..analysis.zones import stripe_widths, zone_angles
+from ..analysis.zones import crossings, stripe_widths, zone_angles
 from ..dynamics.simulate import simulate
 from ..figures.story import Panel, cells, interval, story
 from ..figures.style import DOWN, INK, LEGEND, QUIET, UP
@@ -89,8 +89,7 @@ def difference(P: Array) -> float:
 
     NaN unless every circle z = const is crossed by exactly two zones.
     """
-    up = P[1] > 0
-    if not np.all(np.sum(up != np.roll(up, 1, axis=0), axis=0) == 2):
+    if not np.all(crossings(P) == 2):
         return float("nan")
     widths = stripe_widths(zone_angles(P[1].mean(axis=1)))
     return float(abs(widths[0] - 0.5)) if widths.size == 2 else float("nan")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ..analysis.zones import indifferent_zones
+from ..analysis.zones import crossings, indifferent_zones
 from ..dynamics.simulate import simulate
 from ..model import initial
 from ..model.grid import Array, CylinderGrid
@@ -96,8 +96,7 @@ def elongation(grid: CylinderGrid, P: Array) -> float:
 
 def two_stripes(P: Array) -> bool:
     """Return whether every circle around the cell is crossed by exactly two zones."""
-    up = P[1] > 0
-    return bool(np.all(np.sum(up != np.roll(up, 1, axis=0), axis=0) == 2))
+    return bool(np.all(crossings(P) == 2))
 
 
 def reversals(v: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.integrate
 
-from ..analysis.zones import DISORDER
+from ..analysis.zones import DISORDER, crossings
 from ..dynamics.protocol import Protocol, Step, change, fragment
 from ..dynamics.simulate import simulate
 from ..dynamics.trajectory import Trajectory
@@ -95,9 +95,7 @@ def healing(seed: int, radius: float, drug: str) -> Array:
 
 def striped(state: Array) -> bool:
     """Return whether every circle around the cell is crossed by two zones, of an ordered state."""
-    up = state[1] > 0
-    crossings = np.sum(up != np.roll(up, 1, axis=0), axis=0)
-    return bool(np.all(crossings == 2) and np.sqrt(np.mean(np.sum(state**2, axis=0))) >= DISORDER)
+    return bool(np.all(crossings(state) == 2) and np.sqrt(np.mean(np.sum(state**2, axis=0))) >= DISORDER)
 
 
 def _looked_at(run: Trajectory) -> npt.NDArray[np.int64]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..analysis.diagnostics import diagnose
+from ..analysis.zones import crossings
 from ..dynamics.simulate import simulate
 from ..model import initial
 from ..model.errors import InputError
@@ -74,8 +75,7 @@ def _states(grid: CylinderGrid, seed: int, times: tuple[float, ...]) -> list[Arr
 
 def two_zones(P: Array) -> float:
     """Return the share of circles z = const on which P_z of P (2, n_theta, n_z) changes sign twice."""
-    up = P[1] > 0
-    return float(np.mean(np.sum(up != np.roll(up, 1, axis=0), axis=0) == 2))
+    return float(np.mean(crossings(P) == 2))
 
 
 def _turns(P: Array) -> Array:

@@ -89,7 +89,7 @@ class Work:
             return
         if self.visits > 1:
             rule = "one that the server has already computed while others are here"
-            raise InputError("grid", next(iter(needed - _known))[0], rule, "choose 64 x 64, or try later")
+            raise InputError("grid", next(iter(needed - _known))[0], rule, "try later, or choose another")
         import jax
 
         jax.clear_caches()  # type: ignore[no-untyped-call]

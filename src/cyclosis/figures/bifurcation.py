@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from ..model.errors import InputError, choice, number
 from ..model.grid import Array
-from ..stability.branch import Branch
+from ..stability.branch import MEASURES, Branch
 from ..stability.diagram import label
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
@@ -57,10 +57,10 @@ def bifurcation(
         >>> len(figure.axes)
         2
     """
-    chosen = [choice("measure", measure, tuple(SYMBOLS)) for measure in measures]
+    chosen = [choice("measure", measure, MEASURES) for measure in measures]
     names = {branch.name for branch in branches}
     if not chosen:
-        raise InputError("measures", [], "at least one of " + ", ".join(SYMBOLS), "name what to draw")
+        raise InputError("measures", [], "at least one of " + ", ".join(MEASURES), "name what to draw")
     if len(names) != 1:
         raise InputError("branches", sorted(names), "over one parameter", "draw them apart")
     lowest = min(float(branch.parameter.min()) for branch in branches)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 from matplotlib.lines import Line2D
 
+from ..analysis.zones import crossings
 from ..dynamics.protocol import Protocol
 from ..dynamics.schedule import Schedule
 from ..model.definitions import TERM_NAMES
@@ -27,8 +28,7 @@ _PANELS = ("P_z", "u_z")
 def expected(dataset: xarray.Dataset) -> Profile | str:
     """Return the theory of a run's last state, or a few words that say why there is none."""
     P = frame(dataset, -1)[0]
-    up = P[1] > 0
-    if not np.all(np.sum(up != np.roll(up, 1, axis=0), axis=0) == 2):
+    if not np.all(crossings(P) == 2):
         return "no two-stripe state"
     configuration = json.loads(dataset.attrs.get("configuration", "{}"))
     terms = set(configuration.get("run", {}).get("terms", ()))

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     import xarray
 
 
+MEASURES = ("max_P", "max_u", "mean_P_theta", "mean_P_z", "rms_P", "rms_u", "drift")
+"""Numbers of every state of a branch: `Branch.measures`, and its drift."""
+
+
 @dataclass(frozen=True, eq=False)
 class SpecialPoint:
     """Something that happens on a branch.

@@ -38,6 +38,14 @@ def most_waves(params: Parameters, spacing: float) -> int:
     return int(np.ceil(max(fastest, 1 / np.sqrt(friction)) / spacing) + 1)
 
 
+def settled(matrix: Any, mu: float, q: float) -> bool:
+    """Return whether waves of the axial wavenumber q and all beyond decay.
+
+    No energy grows, and q > μ^(-1/2): from there on diffusion grows with q while the flow's answer falls.
+    """
+    return mu * q**2 > 1 and decays(matrix)
+
+
 def decays(matrix: Any) -> bool:
     """Return whether the symmetric part of a matrix is negative, so that no energy grows."""
     try:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model.grid import Array
 from .curve import Curve
-from .leading import Vector, cutoff, decays, leading, most_waves
+from .leading import Vector, cutoff, leading, most_waves, settled
 from .steady import UNIFORM, rms
 
 NEUTRAL = 1e-10
@@ -76,8 +76,7 @@ class Watch:
     def across(self, X: Array, first: int = 1, last: int | None = None) -> Vector:
         """Return the leading growth rate of each axial wavenumber, as seen from where the state stands.
 
-        It stops once the symmetric part of the matrix is negative and q > μ^(-1/2): from there on diffusion
-        grows with q while the flow's answer falls.
+        It stops once all beyond are `settled`.
         """
         curve = self.curve
         params = curve.at(curve.value(X))
@@ -87,6 +86,6 @@ class Watch:
         for j in range(first, (last or min(MOST_WAVES, most_waves(params, problem.wavenumber))) + 1):
             matrix = problem.waves(X[:-2], j) + turning
             rates.append(complex(leading(matrix, problem.k, largest)[0]))
-            if params.mu * (j * problem.wavenumber) ** 2 > 1 and decays(matrix):
+            if settled(matrix, params.mu, j * problem.wavenumber):
                 break
         return np.array(rates)

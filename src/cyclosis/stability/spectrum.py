@@ -14,6 +14,7 @@ import numpy.typing as npt
 import scipy.linalg
 
 from ..model.grid import Array
+from .leading import settled
 from .reduced import Reduced
 from .steady import Steady, rms
 
@@ -77,8 +78,7 @@ def along(problem: Reduced, state: Steady) -> tuple[Vector, Mode]:
 def across(problem: Reduced, y: Array, waves: int) -> Array:
     """Return the largest growth rate at each wavenumber q = 1, 2, ... of the axis along which y is uniform.
 
-    Stops early once the symmetric part of the matrix is negative and q > μ^(-1/2): from there on diffusion
-    grows with q while the flow's answer falls. A common drift adds nothing to these rates.
+    Stops early once all beyond are `settled`. A common drift adds nothing to these rates.
     """
     mu = float(problem.cell.values.mu)
     spacing = problem.wavenumber
@@ -86,7 +86,6 @@ def across(problem: Reduced, y: Array, waves: int) -> Array:
     for j in range(1, waves + 1):
         matrix = problem.waves(y, j)
         rates.append(float(np.linalg.eigvals(matrix).real.max()))
-        decaying = np.linalg.eigvalsh(0.5 * (matrix + matrix.conj().T))[-1] < 0
-        if decaying and mu * (j * spacing) ** 2 > 1:
+        if settled(matrix, mu, j * spacing):
             break
     return np.array(rates)

@@ -23,7 +23,7 @@ from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid
 from .equal import Equal, EqualStripes
 from .families import OWN, ROTATION, SHAPES, WIDTHS
-from .leading import decays, most_waves
+from .leading import decays, most_waves, settled
 from .reduced import reduced
 
 Vector = npt.NDArray[np.complex128]
@@ -110,8 +110,7 @@ class Perturbations:
         for j in range(1, self.most + 1):
             parts = self._parts(j)
             yield Growth(-np.inf, waves_in_words(j), j), parts
-            # From here on diffusion grows with q while the flow's answer falls.
-            if self.mu * (j * self.whole.wavenumber) ** 2 > 1 and all(decays(part) for part in parts):
+            if all(settled(part, self.mu, j * self.whole.wavenumber) for part in parts):
                 break
 
     def _parts(self, j: int) -> list[Array]:
