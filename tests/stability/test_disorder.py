@@ -37,7 +37,7 @@ def test_every_inequality_holds_at_random_states(seed, angle):
     uneven = P - P.mean(axis=(1, 2), keepdims=True)
     # The same formulas as in the module's text, written out again.
     a, c = params.d_r - params.alpha_p, bound.steepest
-    decay = a + params.d_s * bound.k1 - 3 * params.kappa * M**2
+    decay = a + params.d_s * bound.k1_squared - 3 * params.kappa * M**2
     decay -= params.alpha_u * (3 * M**2 + 5 * M**4) + 3 * params.epsilon * c * M**3
     assert np.mean(np.sum(uneven * change, axis=0)) / e <= -decay * e + 1e-12
     held = params.kappa * (1 - M**2) if angle == 0 else -params.kappa * M**2

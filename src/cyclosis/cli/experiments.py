@@ -32,7 +32,7 @@ def experiment(
     from ..report import experiments as report
 
     if name == "list":
-        print(report.listed())
+        print(report.catalogue())
         return
     choice("experiment", name, ("list", "all", *NAMES))
     told = None if quiet else _told

@@ -83,9 +83,11 @@ def resume(
 
 
 def _end(result: Any, file: Path) -> None:
-    print(f"{'saved':>18}  {file}")
+    from ..report.lines import aligned
+
+    print(aligned({"saved": str(file)}))
     if result.status == "interrupted":
-        print(f"{'to go on':>18}  cyclosis resume {shlex.quote(str(file))}")
+        print(aligned({"to go on": f"cyclosis resume {shlex.quote(str(file))}"}))
         raise typer.Exit(130)
     raise typer.Exit(0 if result.ok else 1)
 

@@ -172,6 +172,7 @@ def _end(summary: SweepSummary, again: list[str], place: list[str], store: Path,
     from dataclasses import asdict
 
     from ..report import sweep as report
+    from ..report.lines import aligned
 
     if json_lines:
         print(json.dumps({"event": "end", **asdict(summary)}))
@@ -179,7 +180,7 @@ def _end(summary: SweepSummary, again: list[str], place: list[str], store: Path,
         print(report.ended(summary))
         if summary.status == "incomplete":
             repair = shlex.join(["cyclosis", "sweep", "repair", str(store), *place])
-            print(report.listed({"to try again": repair}))
+            print(aligned({"to try again": repair}))
         elif not summary.ok:
-            print(report.listed({"to go on": shlex.join(["cyclosis", "sweep", *again, *place])}))
+            print(aligned({"to go on": shlex.join(["cyclosis", "sweep", *again, *place])}))
     raise typer.Exit({"complete": 0, "interrupted": 130}.get(summary.status, 1))

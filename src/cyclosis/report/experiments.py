@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 WIDTH = 100
 
 
-def listed() -> str:
+def catalogue() -> str:
     """Return every experiment with the claim that it tests."""
     from ..experiments import NAMES, experiment
 

@@ -7,6 +7,8 @@ import platform
 import shutil
 from importlib.metadata import PackageNotFoundError, version
 
+from .lines import aligned
+
 _PACKAGES = (
     "cyclosis",
     "jax",
@@ -44,7 +46,7 @@ def machine() -> str:
         "precision": "float64 works" if exact else "float64 DOES NOT WORK: reinstall jax",
         "disk": f"{free:.1f} GiB free in {os.getcwd()}",
     }
-    return "\n".join(f"{name:>10}  {text}" for name, text in lines.items())
+    return aligned(lines, 10)
 
 
 def _version(name: str) -> str:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .lines import aligned
+
 if TYPE_CHECKING:
     import xarray
 
@@ -35,7 +37,7 @@ def summary(run: Trajectory) -> str:
     }
     if run.protocol:
         lines["protocol"] = _steps_done(run)
-    return "\n".join(f"{name:>18}  {text}" for name, text in lines.items())
+    return aligned(lines)
 
 
 def _steps_done(run: Trajectory) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..model.errors import InputError
+from .lines import aligned
 
 if TYPE_CHECKING:
     from ..sweep.estimate import Estimate
@@ -30,7 +31,7 @@ def plan(sweep: Sweep, cost: Estimate) -> str:
     sample = f"{cost.sampled} {'run' if cost.sampled == 1 else 'runs'} spread over the axes"
     each = f"{cost.member_seconds:.3g} s each, after {duration(cost.compiling)} of compiling"
     steps = {"protocol": "; ".join(map(str, sweep.protocol))} if sweep.protocol else {}
-    return listed(
+    return aligned(
         {"sweep": " x ".join([*axes, f"seed {len(sweep.seeds)}"])}
         | steps
         | {
@@ -56,7 +57,7 @@ def ended(summary: SweepSummary) -> str:
             "wall time": f"{duration(summary.seconds)} for {crew}",
             "cost": f"{each:.3g} core-seconds a run",
         }
-    return listed(lines) + _failures(summary.aside)
+    return aligned(lines) + _failures(summary.aside)
 
 
 def status(store: Store, progress: Callable[[int, int], None]) -> str:
@@ -92,7 +93,7 @@ def status(store: Store, progress: Callable[[int, int], None]) -> str:
         lines["cost"] = f"{seconds / done:.3g} core-seconds a run"
     if damaged:
         lines["damaged"] = f"block {ranges(damaged)}; mend with: {_mending(store)}"
-    return listed(lines) + _failures(aside)
+    return aligned(lines) + _failures(aside)
 
 
 def verified(store: Store, bad: list[tuple[int, str]]) -> str:
@@ -103,10 +104,10 @@ def verified(store: Store, bad: list[tuple[int, str]]) -> str:
     for index, reason in bad:
         kinds.setdefault(reason, []).append(index)
     if not kinds:
-        return listed({"status": f"all {store.sweep.blocks} blocks of {store.path} are whole"})
+        return aligned({"status": f"all {store.sweep.blocks} blocks of {store.path} are whole"})
     lines = {"status": f"{len(bad)} of {store.sweep.blocks} blocks of {store.path} are missing or damaged"}
     lines |= {reason: f"block {ranges(indices)}" for reason, indices in kinds.items()}
-    return listed(lines | {"mend them": _mending(store)})
+    return aligned(lines | {"mend them": _mending(store)})
 
 
 def _mending(store: Store) -> str:
@@ -124,12 +125,6 @@ def told(now: SweepProgress) -> str:
     if now.aside:
         parts.append(f"{now.aside} blocks set aside")
     return ", ".join(parts) + (f"; {counts(now.regimes)}" if now.regimes else "")
-
-
-def listed(lines: Mapping[str, str]) -> str:
-    """Return lines of text, each under its name."""
-    width = max(18, *map(len, lines))
-    return "\n".join(f"{name:>{width}}  {text}" for name, text in lines.items())
 
 
 def counts(numbers: Mapping[str, int]) -> str:
