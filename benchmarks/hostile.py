@@ -111,8 +111,9 @@ def under(name: str, port: int, process: psutil.Process, seconds: float) -> tupl
         good.enough.set()
         raise SystemExit(f"nobody can play before {name}")
     before = most = process.memory_info().rss
-    answers: multiprocessing.Queue[str] = multiprocessing.Queue()
-    attacker = multiprocessing.Process(target=attacked, args=(name, port, seconds, answers))
+    processes = multiprocessing.get_context("spawn")  # a copy of this process would hold its threads' locks
+    answers: multiprocessing.Queue[str] = processes.Queue()
+    attacker = processes.Process(target=attacked, args=(name, port, seconds, answers))
     attacker.start()
     while attacker.is_alive():
         most = max(most, process.memory_info().rss)
@@ -131,7 +132,6 @@ def main() -> None:
     given = parser.parse_args()
     if unknown := set(given.attacks) - set(ATTACKS):
         parser.error(f"no attack {', '.join(sorted(unknown))}: choose from {', '.join(ATTACKS)}")
-    multiprocessing.set_start_method("spawn")
     slow = []
     print("| attack | answers | longest wait, s | memory, MiB |\n|---|---|---:|---:|", flush=True)
     with server() as (port, process):

@@ -4,7 +4,6 @@ import asyncio
 import importlib
 import json
 import math
-import multiprocessing
 import sys
 import time
 from pathlib import Path
@@ -112,9 +111,8 @@ def test_more_kinds_of_cell_than_there_is_memory_for_wait_until_others_have_left
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["none", *attacks.ATTACKS])
-def test_no_attack_cuts_off_a_visitor_or_fills_the_memory(server, name, monkeypatch):
+def test_no_attack_cuts_off_a_visitor_or_fills_the_memory(server, name):
     """How long the visitor waits, `python benchmarks/hostile.py` measures."""
-    monkeypatch.setattr(multiprocessing, "Process", multiprocessing.get_context("spawn").Process)
     port, process = server
     _, wait, growth = hostile.under(name, port, process, 6.0)
     assert math.isfinite(wait)
