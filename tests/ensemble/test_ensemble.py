@@ -7,7 +7,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.ensemble import OUTCOMES, EnsembleSettings, Member, follow
-from cyclosis.ensemble.lanes import CHECK_STEPS
+from cyclosis.ensemble.lanes import CHECK_STEPS, run_lanes
 
 GRID = cy.CylinderGrid(32, 32, 5.0)
 
@@ -26,6 +26,19 @@ def same(a, b):
     )
 
 
+@pytest.fixture
+def widths(monkeypatch):
+    """How many lanes each batch of steps was taken in."""
+    seen = []
+
+    def counted(cells, control, table, lanes, t_end):
+        seen.append(lanes.t.size)
+        return run_lanes(cells, control, table, lanes, t_end)
+
+    monkeypatch.setattr("cyclosis.ensemble.run.run_lanes", counted)
+    return seen
+
+
 def various():
     points = ((0.3, 0.4), (0.2, 0.05), (0.025, 0.9), (0.2, 0.05), (0.13, 0.3))
     return [member(seed, alpha_p=p, alpha_u=u) for seed, (p, u) in enumerate(points)]
@@ -41,6 +54,23 @@ def test_an_outcome_does_not_depend_on_company_order_or_lane(lanes):
     for a, b, c in zip(together, backward, alone, strict=True):
         assert same(a, b)
         assert same(a, c)
+
+
+def test_few_that_are_left_go_on_in_fewer_lanes(widths):
+    grid = cy.CylinderGrid(16, 16, 5.0)
+    members = [member(seed, grid, alpha_p=0.02 + 0.02 * seed) for seed in range(20)]
+    many = follow(members, EnsembleSettings(lanes=128, t_end=100.0))
+    assert widths == sorted(widths, reverse=True)
+    assert set(widths) == {128, 64}
+    few = follow(members, EnsembleSettings(lanes=64, t_end=100.0))
+    assert all(same(a, b) for a, b in zip(many, few, strict=True))
+
+
+def test_lanes_that_nobody_asked_for_are_no_more_than_members_need(monkeypatch, widths):
+    monkeypatch.setattr("cyclosis.ensemble.run.default_lanes", lambda grid, precision: 4096)
+    grid = cy.CylinderGrid(8, 8)
+    follow([member(seed, grid, alpha_p=0.05) for seed in range(5)])
+    assert set(widths) == {8}
 
 
 def test_regimes_do_not_depend_on_the_number_of_lanes_or_the_precision():

@@ -11,6 +11,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import numpy.typing as npt
 
 from ..analysis.regimes import regime
 from ..dynamics.advance import Control, Progress, advance, start
@@ -32,6 +33,8 @@ ACCELERATOR_BYTES = 8 * 2**30
 """Memory that lanes may take on an accelerator, by default."""
 FIELDS_PER_LANE = 64
 """Complex fields that a lane keeps at work, roughly."""
+FEW_LANES = 64
+"""Lanes that an accelerator takes for the price of one at the usual sizes: no number of lanes falls below."""
 ASK_AGAIN = 0.7
 """What was not certain is asked about again once its remnant has fallen, or t risen, by this factor."""
 MOST_STEPS = 1_000_000
@@ -103,7 +106,8 @@ class _Seat:
     """A member in a lane: what has been seen of it so far."""
 
     index: int
-    params: Parameters
+    cell: System
+    certainty: Certainty | None
     began: float
     watch: Watch
     looks: list[tuple[float, Look]] = field(default_factory=list)
@@ -119,7 +123,10 @@ class _Pool:
     def __init__(self, members: Sequence[Member], indices: list[int], how: EnsembleSettings) -> None:
         self.members, self.waiting, self.how = members, iter(indices), how
         self.grid = members[indices[0]].grid
-        self.lanes = how.lanes or default_lanes(self.grid, how.precision)
+        # A power of two where members are few, so that few programs are compiled.
+        self.lanes = how.lanes or min(
+            default_lanes(self.grid, how.precision), 2 ** (len(indices) - 1).bit_length()
+        )
         self.device: System = jax.device_put(self._system(members[indices[0]].params))
         self.control = Control(*(np.float64(x) for x in (how.rtol, how.atol, 0.1, NEVER)))
         self.table = tables(self.device)
@@ -142,18 +149,20 @@ class _Pool:
             for lane, seat in enumerate(seats):
                 if seat is None:
                     continue
-                now = _lane(seen, lane)
+                now = Signs(*(item[lane] for item in seen))
                 verdict = self._look(seat, now)
                 if verdict is None and not now.failed and not now.waits:
                     continue
-                yield (
-                    seat.index,
-                    self._leave(seat, _lane(batch, lane), verdict),
-                )
+                left = _lane(batch, lane)
+                yield seat.index, self._leave(seat, left, verdict)
                 entry = self._enter()
                 seats[lane] = entry and entry[0]
-                batch = _placed(batch, entry[2] if entry else _idle(batch, lane), lane)
+                batch = _placed(batch, entry[2] if entry else _idle(left), lane)
                 values = _placed(values, entry[1], lane) if entry else values
+            kept = _kept(seats)
+            if kept is not None:
+                seats = [seats[lane] for lane in kept]
+                values, batch = _lane(values, kept), _lane(batch, kept)
 
     def _enter(self) -> tuple[_Seat, Any, Progress] | None:
         """Make the next member ready: its seat, its couplings, and its state at t = 0."""
@@ -161,9 +170,9 @@ class _Pool:
         if index is None:
             return None
         member, began = self.members[index], clock.perf_counter()
-        cell, _ = self._point(member.params)
+        cell, certainty = self._point(member.params)
         state = member.grid.check_state(member.state(), "the initial state", bounded=True)
-        seat = _Seat(index, member.params, began, Watch(cell, self.how.run))
+        seat = _Seat(index, cell, certainty, began, Watch(cell, self.how.run))
         running = self.device.with_values(cell.values)
         return seat, cell.values, start(running, cell.spectrum(state), np.float64(0.0))
 
@@ -188,7 +197,7 @@ class _Pool:
         if t >= seat.watch.patience:
             seat.tail = max(seat.tail, float(now.tail))
         seat.watch.look(t, float(now.tail), float(now.peak))
-        _, certainty = self._point(seat.params)
+        certainty = seat.certainty
         if certainty is None:
             return None
         verdict = certainty.disordered(now)
@@ -206,16 +215,15 @@ class _Pool:
 
     def _leave(self, seat: _Seat, now: Progress, verdict: Verdict | None) -> Outcome:
         """Return the outcome of a member whose regime is certain, or which has failed or come to its end."""
-        cell, _ = self._point(seat.params)
         status = "certified"
         if verdict is None:
             status = "diverged" if bool(now.failed) else "completed"
             if status == "completed":
-                running = self.device.with_values(cell.values)
+                running = self.device.with_values(seat.cell.values)
                 now = advance(running, self.control, now, self.t_end, np.int64(MOST_STEPS))
                 status = "diverged" if bool(now.failed) else status
-            state = cell.state(np.asarray(now.spectrum))
-            found = regime(seat.params, self.grid, state, self.how.terms)
+            state = seat.cell.state(np.asarray(now.spectrum))
+            found = regime(self.members[seat.index].params, self.grid, state, self.how.terms)
             verdict = Verdict(found.name, uncertain(status, found.rate), state, np.nan, 0.0)
         if status != "diverged" and seat.watch.time is not None:
             status = "underresolved"
@@ -237,17 +245,29 @@ class _Pool:
 
 
 def _stacked(items: list[Any]) -> Any:
-    return jax.tree.map(lambda *leaves: jnp.stack([jnp.asarray(leaf) for leaf in leaves]), *items)
+    # On the host: a program that joins thousands of arrays takes minutes to compile.
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *items)
 
 
-def _lane(batch: Any, lane: int) -> Any:
+def _kept(seats: list[_Seat | None]) -> npt.NDArray[np.intp] | None:
+    """Return the lanes to go on with once most stand still for good; None if not worth it."""
+    busy = np.array([seat is not None for seat in seats])
+    count = int(busy.sum())
+    if len(seats) <= FEW_LANES or count > len(seats) // 8:
+        return None
+    width = max(FEW_LANES, 2 ** (count - 1).bit_length())
+    return np.argsort(~busy, kind="stable")[:width]
+
+
+@jax.jit
+def _lane(batch: Any, lane: Any) -> Any:
+    """Return the values of one lane, or of several."""
     return jax.tree.map(lambda item: item[lane], batch)
 
 
-def _idle(progress: Progress, lane: int | None = None) -> Progress:
+def _idle(progress: Progress) -> Progress:
     """Return a lane's progress, marked so that it stands still."""
-    one = progress if lane is None else _lane(progress, lane)
-    return one._replace(failed=jnp.asarray(True))
+    return progress._replace(failed=jnp.asarray(True))
 
 
 @partial(jax.jit, donate_argnums=0)

@@ -16,7 +16,7 @@ import numpy as np
 from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
-from ..model.precision import double
+from ..model.precision import on_host
 from .families import OWN, bases
 from .profile import stripes
 from .reduced import reduced
@@ -116,18 +116,18 @@ class EqualStripes:
         right, left = right / np.abs(right).max(), left * np.abs(right).max()
         left = left / (left @ right)
         change = -self._own(state.P, state.alpha_u, self.drive(state.P, state.alpha_u))
-        with double():
+        with on_host():
             bend = np.asarray(_bend(self.line, state.P, state.alpha_u, right, change))
         return Leading(float(values[found].real), rounding, float(left @ bend))
 
     def rate(self, P: Array, alpha_u: float) -> Array:
         """Return dP_z/dt (n,)."""
-        with double():
+        with on_host():
             return np.asarray(_rate(self.line, P, alpha_u))
 
     def drive(self, P: Array, alpha_u: float) -> Array:
         """Return the derivative of dP_z/dt by α_u (n,)."""
-        with double():
+        with on_host():
             return np.asarray(_drive(self.line, P, alpha_u))
 
     def columns(self, P: Array, alpha_u: float, family: str) -> Array:
@@ -136,7 +136,7 @@ class EqualStripes:
 
     def applied(self, P: Array, alpha_u: float, basis: Array) -> Array:
         """Return the linearised equation applied to the columns of a matrix (n, size)."""
-        with double():
+        with on_host():
             return np.asarray(_columns(self.line, P, alpha_u, basis))
 
     def amplitude(self, P: Array) -> float:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
-from ..model.precision import double
+from ..model.precision import on_host
 from ..model.system import System, system
 
 _ALTERNATE = np.array([1.0, 0.0, -1.0, 0.0])
@@ -45,12 +45,12 @@ class Reduced:
 
     def rate(self, y: Array) -> Array:
         """Return dy/dt (2n,)."""
-        with double():
+        with on_host():
             return np.asarray(_rate(self.line, y))
 
     def jacobian(self, y: Array) -> Array:
         """Return the derivative of `rate`, (2n, 2n)."""
-        with double():
+        with on_host():
             return np.asarray(_jacobian(self.line, y))
 
     def waves(self, y: Array, j: int) -> np.ndarray[Any, np.dtype[np.complex128]]:
@@ -58,7 +58,7 @@ class Reduced:
 
         q is the j-th wavenumber of the axis along which y does not vary, x the position along it.
         """
-        with double():
+        with on_host():
             return np.asarray(_waves(_restricted(self.cell, self.axis, (0, j, None, -j)), self.axis, y))
 
     def slope(self, y: Array) -> Array:
@@ -106,7 +106,7 @@ def reduced(params: Parameters, grid: CylinderGrid, axis: int = 1, **options: An
     """
     cell = system(params, grid, **options)
     k, turn = (grid.m, 2 * np.pi) if axis == 1 else (grid.q, grid.length)
-    with double():
+    with on_host():
         line = jax.device_put(_restricted(cell, axis, (0,)))
     return Reduced(cell, line, axis, k, turn)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dynamics.advance import Control, advance, start
 from ..model.grid import Array
-from ..model.precision import double
+from ..model.precision import on_host
 from .reduced import Reduced
 
 RTOL, ATOL = 1e-4, 1e-10
@@ -28,7 +28,7 @@ def relax(problem: Reduced, y: Array, duration: float) -> Relaxed:
     """Integrate dy/dt over `duration` (dimensionless), with the default tolerances of `simulate`."""
     control = Control(*(np.float64(x) for x in (RTOL, ATOL, 0.1, -1.0)))
     spectrum = problem.packed(y).reshape(problem.line.space.shape)
-    with double():
+    with on_host():
         began = start(problem.line, spectrum, np.float64(0.0))
         end = advance(problem.line, control, began, np.float64(duration), np.int64(MOST_STEPS))
     return Relaxed(problem.from_packed(np.asarray(end.spectrum).ravel()), float(end.rate), bool(end.failed))

@@ -18,7 +18,7 @@ import numpy as np
 from ..model.errors import InputError, choice, number, whole
 from ..model.grid import Array, CylinderGrid, interpolate
 from ..model.parameters import Parameters
-from ..model.precision import double
+from ..model.precision import on_host
 from .reduced import Reduced, reduced
 from .relax import relax
 from .steady import rms, steady
@@ -127,7 +127,7 @@ def drifting_state(problem: Reduced, params: Parameters, y: Array, drift: float)
 
 def flow(problem: Reduced, y: Array) -> Array:
     """Return the flow (2, n) that a state y (2n,) drives."""
-    with double():
+    with on_host():
         return np.asarray(_flow(problem.line, y))
 
 
