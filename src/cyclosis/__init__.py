@@ -14,6 +14,7 @@ first use, so that importing the package is quick.
 from __future__ import annotations
 
 from importlib import import_module
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 from .version import __version__ as __version__
@@ -110,14 +111,16 @@ _MODULES = {
 __all__ = ["__version__", *sorted(_HOME), *sorted(_MODULES)]
 
 
+_LOADING = RLock()
+"""Held by the thread that loads a name: two at once could see each other's half-made modules."""
+
+
 def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        value: Any = import_module(f"{__name__}.{_MODULES[name]}")
-    elif name in _HOME:
-        value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
-    else:
+    if name not in _MODULES and name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value
+    with _LOADING:
+        module = import_module(f"{__name__}.{_MODULES.get(name) or _HOME[name]}")
+    globals()[name] = value = module if name in _MODULES else getattr(module, name)
     return value
 
 

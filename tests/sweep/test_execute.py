@@ -11,7 +11,6 @@ import warnings
 import numpy as np
 import psutil
 import pytest
-from distributed.protocol import pickle
 
 from cyclosis.model.errors import InputError
 from cyclosis.sweep import environment as surroundings
@@ -22,7 +21,7 @@ from cyclosis.sweep.guests import Greeting, guest_client, obstacle, remarks
 from cyclosis.sweep.local import local_client, places
 from cyclosis.sweep.order import spread
 from cyclosis.sweep.store import Store, versions
-from cyclosis.sweep.task import BlockTask, portable
+from cyclosis.sweep.task import BlockTask
 from measure.faults import environment
 from measure.sweeps import made_up, slow, sweep
 
@@ -312,15 +311,3 @@ def test_nothing_of_a_cluster_is_left_when_it_is_closed():
         client.wait_for_workers(1)
         assert set(psutil.Process().children(recursive=True)) > before
     assert set(psutil.Process().children(recursive=True)) <= before
-
-
-def test_a_scheduler_needs_nothing_but_dask(tmp_path):
-    task = BlockTask(str(tmp_path), "digest", compute=slow(0.0))
-    (tmp_path / "task").write_bytes(pickle.dumps(portable(task)))
-    code = (
-        "import sys; sys.modules['cyclosis'] = sys.modules['measure'] = None\n"
-        "from distributed.protocol import pickle\n"
-        "print(pickle.dumps(pickle.loads(open('task', 'rb').read())) != b'')"
-    )
-    out = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert out.stdout == "True\n", out.stderr

@@ -19,6 +19,7 @@ from ..sweep.collect import open_sweep
 from ..sweep.execute import run_sweep
 from ..sweep.local import local_client
 from ..sweep.plan import Sweep
+from ..sweep.shipped import shipped
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -83,7 +84,7 @@ class Lab:
 
         summary = run_sweep(sweep, store, self._running(), progress=told)
         if summary.status != "complete":
-            rule = f"complete, and it is {summary.status}"
+            rule = f"complete, and it is {summary.status} ({summary.message.rstrip('.')})"
             raise InputError("the sweep", str(store), rule, "start the experiment again: it goes on")
         with open_sweep(store, variables=variables) as data:
             return data.load()
@@ -94,8 +95,9 @@ class Lab:
         For what a sweep does not record, such as a course over time. `function` is one of a module.
         """
         listed = list(items)
+        called = shipped(lambda item: function(*item))
         client = self._running()
-        futures = client.map(lambda item: function(*item), listed, pure=False, key=f"{label}-{id(listed)}")
+        futures = client.map(called, listed, pure=False, key=f"{label}-{id(listed)}")
         return list(client.gather(futures))
 
     def story(

@@ -19,7 +19,8 @@ from distributed import Client, Future
 from tornado.ioloop import IOLoop
 
 from . import guests
-from .task import BlockTask, portable
+from .shipped import shipped
+from .task import BlockTask
 
 WATCH_SECONDS = 0.5
 """Time between two looks at the workers."""
@@ -55,7 +56,7 @@ class Crew:
 
     def __init__(self, client: Client, task: BlockTask, own: bool) -> None:
         self.client, self.task, self.own = client, task, own
-        self._compute = portable(task)
+        self._compute = shipped(task)
         self._flying: dict[int, Future[Any]] = {}
         self._news: SimpleQueue[News] = SimpleQueue()
         self._name, self._batches = f"block-{uuid.uuid4().hex[:12]}", 0
@@ -132,7 +133,8 @@ class Crew:
 
     async def _greeted(self, strangers: list[str]) -> dict[str, Any]:
         folder, digest = Path(self.task.folder), self.task.digest
+        greet = shipped(guests.greet)
         told: dict[str, Any] = await self.client.run(
-            guests.greet, str(folder), digest, workers=strangers, on_error="return"
+            greet, str(folder), digest, workers=strangers, on_error="return"
         )
         return {address: await guests.confirmed(folder, greeting) for address, greeting in told.items()}

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-import cloudpickle
 import numpy as np
 
 from ..model.errors import InputError
 from ..version import __version__
 from .packed import Arrays
 from .plan import Sweep
+from .shipped import LOADING
 from .store import Store
 from .variables import meanings
 
@@ -72,23 +72,6 @@ class BlockTask:
         return Report(index, regimes, statuses, time.perf_counter() - began)
 
 
-def portable(task: BlockTask) -> Callable[[int], Report]:
-    """Return the same task in a form that a scheduler can handle without having this package.
-
-    A scheduler takes apart what it is given to pass on. An inner function goes by value, and what it holds
-    are plain bytes.
-    """
-    packed = cloudpickle.dumps(task)
-
-    def compute(index: int) -> Report:
-        import pickle
-
-        unpacked: Callable[[int], Report] = pickle.loads(packed)
-        return unpacked(index)
-
-    return compute
-
-
 def described(error: BaseException) -> str:
     """Return an exception in one line."""
     if isinstance(error, InputError):
@@ -104,7 +87,8 @@ def counted(arrays: Mapping[str, Any], name: str) -> dict[str, int]:
 
 
 def _usual() -> Compute:
-    from .block import compute  # loads JAX, which a client has no need of
+    with LOADING:
+        from .block import compute  # loads JAX, which a client has no need of
 
     return compute
 
