@@ -51,8 +51,9 @@ def step_cost(grid: cy.CylinderGrid, lanes: int, precision: str) -> float:
     cell = jax.device_put(host)
     control = Control(*(np.float64(x) for x in (1e-3, 1e-10, 0.1, -1.0)))
     one = start(cell, host.spectrum(cy.initial.disordered(grid)), np.float64(0.0))
-    batch = jax.tree.map(lambda leaf: jnp.stack([jnp.asarray(leaf)] * lanes), one)
-    cells = cell.with_values(jax.tree.map(lambda leaf: jnp.stack([jnp.asarray(leaf)] * lanes), cell.values))
+    batch = jax.device_put(jax.tree.map(lambda leaf: np.stack([np.asarray(leaf)] * lanes), one))
+    values = jax.tree.map(lambda leaf: np.stack([np.asarray(leaf)] * lanes), cell.values)
+    cells = cell.with_values(jax.device_put(values))
     table, times = tables(cell), []
     for _ in range(12):
         began = time.perf_counter()
