@@ -1,5 +1,6 @@
 """The page in a real browser: what a visitor does, from the first look to the exported file."""
 
+import io
 import os
 import shutil
 import socket
@@ -105,6 +106,14 @@ def export(page, kind, target):
     return target
 
 
+def seen(page):
+    """The middle of the cylinder as it is drawn: within one stripe."""
+    with Image.open(io.BytesIO(page.locator("#cylinder canvas").screenshot())) as picture:
+        pixels = np.asarray(picture.convert("RGB")).astype(int)
+    high, wide, _ = pixels.shape
+    return pixels[high * 2 // 5 : high * 3 // 5, wide * 9 // 20 : wide * 11 // 20].sum(axis=-1)
+
+
 def fingerprint(page):
     """The hash that the page shows of the cell's state."""
     page.evaluate("document.querySelector('#hash').dataset.sha256 = ''")
@@ -142,6 +151,20 @@ def test_a_wound_heals_and_all_that_was_done_is_in_the_files(page, tmp_path):
     with Image.open(export(page, "png", tmp_path / "cell.png")) as picture:
         assert np.asarray(picture.convert("RGB")).std() > 10
     assert "depolymerise" in export(page, "toml", tmp_path / "cell.toml").read_text()
+
+
+def test_tracers_stream_over_a_cylinder_that_is_steady(page):
+    page.locator("#speed").press("End")
+    play(page)
+    wait(page, "cell.t > 150", 120)
+    first = seen(page)
+    page.wait_for_timeout(400)
+    assert (abs(seen(page) - first) > 40).sum() > 20
+    play(page, on=False)
+    page.wait_for_timeout(400)
+    held = seen(page)
+    page.wait_for_timeout(400)
+    assert abs(seen(page) - held).max() == 0
 
 
 def test_what_is_changed_in_the_page_is_the_protocol_of_its_cell(page, tmp_path):

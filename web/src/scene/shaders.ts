@@ -119,10 +119,10 @@ void main() {
 
 export const trailVertex = /* glsl */ `
 precision highp float;
-precision highp int;
-precision highp sampler2D;
-in vec3 place; // particle, row, side
-uniform highp sampler2D trail;
+in vec2 place; // row, side
+in vec4 ahead; // the particle's trail a row before, here and a row behind
+in vec4 here;
+in vec4 behind;
 uniform mat4 toScreen;
 uniform float turn;
 uniform float cell;
@@ -138,23 +138,19 @@ vec3 onSurface(vec2 p) {
 }
 
 void main() {
-  int n = int(place.x);
-  int k = int(place.y);
-  vec4 here = texelFetch(trail, ivec2(n, k), 0);
-  vec2 ahead = texelFetch(trail, ivec2(n, max(k - 1, 0)), 0).xy;
-  vec2 behind = texelFetch(trail, ivec2(n, min(k + 1, int(rows) - 1)), 0).xy;
   vec3 surface = onSurface(here.xy);
   vec4 point = toScreen * vec4(surface, 1.0);
-  vec2 a = (toScreen * vec4(onSurface(ahead), 1.0)).xy;
-  vec2 b = (toScreen * vec4(onSurface(behind), 1.0)).xy;
+  bool first = place.x < 0.5;
+  bool last = place.x > rows - 1.5;
+  vec2 a = (toScreen * vec4(onSurface(first ? here.xy : ahead.xy), 1.0)).xy;
+  vec2 b = (toScreen * vec4(onSurface(last ? here.xy : behind.xy), 1.0)).xy;
   vec2 way = (a - b) * screen;
   float size = length(way);
   way = size > 1e-3 ? way / size : vec2(0.0, 1.0);
-  float along = k == 0 ? 1.0 : 1.0 - (place.y - 1.0 + phase) / (rows - 1.0);
-  along = max(along, 0.0);
+  float along = first ? 1.0 : max(1.0 - (place.x - 1.0 + phase) / (rows - 1.0), 0.0);
   float facing = surface.z;
   float half_width = 0.5 * width * (0.25 + 0.75 * along);
-  point.xy += vec2(-way.y, way.x) * place.z * 2.0 * half_width / screen;
+  point.xy += vec2(-way.y, way.x) * place.y * 2.0 * half_width / screen;
   gl_Position = point;
   height = here.y;
   opacity = here.z * pow(along, 1.5) * smoothstep(0.0, 0.45, facing) * (0.25 + 0.75 * smoothstep(0.0, 0.35, here.w));

@@ -6,7 +6,9 @@ import { trailFragment, trailVertex } from './shaders';
 
 export class Trails {
   readonly mesh: THREE.Mesh;
-  private readonly texture: THREE.DataTexture;
+  /** The rows of the trails, every place twice, with a row before the first and after the last. */
+  private readonly rows: Float32Array;
+  private readonly buffer: THREE.InterleavedBuffer;
   private readonly material: THREE.ShaderMaterial;
 
   constructor(
@@ -14,20 +16,27 @@ export class Trails {
     shared: Record<string, THREE.IUniform>,
   ) {
     const { count } = particles;
-    const place = new Float32Array(3 * 2 * TRAIL * count);
+    const place = new Float32Array(4 * TRAIL * count);
     const index = new Uint32Array(6 * (TRAIL - 1) * count);
-    for (let n = 0, v = 0, q = 0; n < count; n++) {
-      for (let k = 0; k < TRAIL; k++, v += 2) {
-        place.set([n, k, -1, n, k, 1], 3 * v);
+    for (let k = 0, v = 0, q = 0; k < TRAIL; k++) {
+      for (let n = 0; n < count; n++, v += 2) {
+        place.set([k, -1, k, 1], 2 * v);
         if (k + 1 === TRAIL) continue;
-        index.set([v, v + 1, v + 2, v + 2, v + 1, v + 3], q);
+        const w = v + 2 * count;
+        index.set([v, v + 1, w, w, v + 1, w + 1], q);
         q += 6;
       }
     }
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('place', new THREE.BufferAttribute(place, 3));
+    geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
-    this.texture = new THREE.DataTexture(particles.data, count, TRAIL, THREE.RGBAFormat, THREE.FloatType);
+    this.rows = new Float32Array(8 * count * (TRAIL + 2));
+    this.buffer = new THREE.InterleavedBuffer(this.rows, 4).setUsage(THREE.DynamicDrawUsage);
+    // One buffer, seen from three rows: with a texture that the vertex shader reads, OpenGL ES on an NVIDIA GPU
+    // showed nothing.
+    for (const [row, name] of ['ahead', 'here', 'behind'].entries()) {
+      geometry.setAttribute(name, new THREE.InterleavedBufferAttribute(this.buffer, 4, 8 * count * row));
+    }
     this.material = new THREE.ShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader: trailVertex,
@@ -36,7 +45,6 @@ export class Trails {
         toScreen: shared.toScreen,
         turn: shared.turn,
         cell: shared.cell,
-        trail: { value: this.texture },
         phase: { value: 0 },
         rows: { value: TRAIL },
         width: { value: 2.4 },
@@ -44,6 +52,7 @@ export class Trails {
         tint: { value: new THREE.Vector3(1, 1, 1) },
       },
       transparent: true,
+      depthTest: false, // those behind are transparent: they face away
       depthWrite: false,
       side: THREE.DoubleSide,
     });
@@ -54,9 +63,13 @@ export class Trails {
 
   update(width: number, height: number, pixel: number): void {
     const { uniforms } = this.material;
-    uniforms.phase.value = this.particles.phase;
+    const { count, data, phase } = this.particles;
+    uniforms.phase.value = phase;
     uniforms.width.value = 2.4 * pixel;
     uniforms.screen.value.set(width * pixel, height * pixel);
-    this.texture.needsUpdate = true;
+    for (let from = 0, to = 8 * count; from < data.length; from += 4, to += 8) {
+      for (let j = 0; j < 4; j++) this.rows[to + j] = this.rows[to + 4 + j] = data[from + j];
+    }
+    this.buffer.needsUpdate = true;
   }
 }
