@@ -2,7 +2,7 @@
 
 python benchmarks/explorer.py        # with `cyclosis explore --no-browser` running
 
-The browser is the system's Chromium, which draws in software unless --gpu is given.
+The browser is the system's Chromium, which draws in software unless --gpu names how it reaches a GPU.
 """
 
 from __future__ import annotations
@@ -16,6 +16,12 @@ from playwright.sync_api import sync_playwright
 
 ARGUMENTS = ["--headless", "--no-sandbox", "--disable-background-networking", "--no-first-run"]
 SOFTWARE = ["--disable-gpu", "--enable-unsafe-swiftshader"]
+GPU = ["--enable-gpu", "--ignore-gpu-blocklist", "--enable-features=Vulkan", "--use-gl=angle"]
+RENDERER = """(() => {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const named = gl?.getExtension('WEBGL_debug_renderer_info');
+  return named ? gl.getParameter(named.UNMASKED_RENDERER_WEBGL) : 'unknown';
+})()"""
 # From the moment a slider is moved to the first picture that was drawn of a cell with its new value.
 LATENCY = """value => new Promise(done => {
   const slider = document.querySelector('#slider-alpha_u'), began = performance.now();
@@ -36,16 +42,17 @@ LATENCY = """value => new Promise(done => {
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--address", default="http://127.0.0.1:8765/")
-    parser.add_argument("--gpu", action="store_true", help="let the browser draw on a GPU")
+    parser.add_argument("--gpu", choices=("vulkan", "gl-egl"), help="let the browser draw on a GPU")
     parser.add_argument("--seconds", type=float, default=10.0)
     given = parser.parse_args()
     with sync_playwright() as driver:
-        args = [*ARGUMENTS, *([] if given.gpu else SOFTWARE)]
+        args = [*ARGUMENTS, *([*GPU, f"--use-angle={given.gpu}"] if given.gpu else SOFTWARE)]
         browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=args)
         page = browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
         page.goto(given.address)
         while not page.evaluate("Boolean(window.cyclosis && window.cyclosis.latest())"):
             time.sleep(0.1)
+        print(f"drawn by              {page.evaluate(RENDERER)}")
         if page.get_attribute("#play", "aria-pressed") != "true":
             page.locator("#play").press("Enter")
         time.sleep(4.0)
