@@ -38,8 +38,7 @@ def server() -> Iterator[tuple[int, psutil.Process]]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    code = "from cyclosis.cli import main; main()"
-    command = [sys.executable, "-c", code, "explore", "--no-browser", "--port", str(port)]
+    command = [sys.executable, "-m", "cyclosis", "explore", "--no-browser", "--port", str(port)]
     one_thread = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
     started = subprocess.Popen(command, env=one_thread, stdout=subprocess.DEVNULL)
     try:

@@ -26,6 +26,7 @@ ORDER = [
     "report",
     "progress",
     "cli",
+    "__main__",
 ]
 LAZY = {("dynamics/trajectory.py", "dataset")}
 """The one upward import that is allowed: `Trajectory.to_dataset`."""

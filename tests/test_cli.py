@@ -9,7 +9,7 @@ import cyclosis as cy
 
 
 def cyclosis(*arguments, cwd=None):
-    command = [sys.executable, "-c", "from cyclosis.cli import main; main()", *map(str, arguments)]
+    command = [sys.executable, "-m", "cyclosis", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=300)
 
 

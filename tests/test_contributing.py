@@ -63,7 +63,7 @@ class Tree:
         return self.run("-c", check.replace("FOLDER", str(self.folder)) + code)
 
     def cyclosis(self, *arguments):
-        return self.run("-c", "from cyclosis.cli import main; main()", *arguments)
+        return self.run("-m", "cyclosis", *arguments)
 
     def page(self, name):
         """A page of the documentation as docs/generate.py writes it now."""

@@ -34,8 +34,7 @@ def address():
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    code = "from cyclosis.cli import main; main()"
-    command = [sys.executable, "-c", code, "explore", "--no-browser", "--port", str(port)]
+    command = [sys.executable, "-m", "cyclosis", "explore", "--no-browser", "--port", str(port)]
     server = subprocess.Popen(command, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
     found = f"http://127.0.0.1:{port}/"
     for _ in range(200):

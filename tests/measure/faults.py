@@ -77,8 +77,7 @@ def made_up_command(seconds: float) -> list[str]:
 def real_command(folder: Path) -> list[str]:
     """Write a configuration of some real members into a folder; return the command, less its store."""
     (folder / "tiny.toml").write_text(TINY)
-    code = "from cyclosis.cli import main; main()"
-    return [sys.executable, "-c", code, "sweep", "run", str(folder / "tiny.toml"), "--quiet", "--out"]
+    return [sys.executable, "-m", "cyclosis", "sweep", "run", str(folder / "tiny.toml"), "--quiet", "--out"]
 
 
 def start(command: Sequence[str], store: Path) -> subprocess.Popen[str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5netcdf
 import numpy as np
 
-COMMAND = [sys.executable, "-c", "from cyclosis.cli import main; main()"]
+COMMAND = [sys.executable, "-m", "cyclosis"]
 TEXT = (
     "--n-theta 32 --n-z 24 --d-s 0.1 --t-end 30 --save-every 2 --stepper etdrk4 --dt 0.02 "
     "--filaments-per-square 100 --quiet"

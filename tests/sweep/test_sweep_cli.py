@@ -29,7 +29,7 @@ t_end = 40.0
 
 
 def started(*arguments, cwd):
-    command = [sys.executable, "-c", "from cyclosis.cli import main; main()", "sweep", *map(str, arguments)]
+    command = [sys.executable, "-m", "cyclosis", "sweep", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=300)
 
 

@@ -1,0 +1,6 @@
+"""`python -m cyclosis` is the command `cyclosis`."""
+
+from .cli import main
+
+if __name__ == "__main__":
+    main()
