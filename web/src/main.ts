@@ -20,7 +20,7 @@ import { SpeedMeter } from './panels/speed';
 import { firstPreset } from './panels/story';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
-import type { About, Said } from './protocol';
+import type { About, Ask, Said } from './protocol';
 import { Scene } from './scene/scene';
 
 declare global {
@@ -40,7 +40,11 @@ async function start(): Promise<void> {
 
 function build(about: About): void {
   const { element: toastElement, toast } = toaster();
-  const hub = new Hub(about, (message) => connection.ask(message), toast);
+  const ask = (message: Ask): void => {
+    if (message.do === 'change') scene.expect();
+    connection.ask(message);
+  };
+  const hub = new Hub(about, ask, toast);
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });

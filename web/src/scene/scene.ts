@@ -24,6 +24,8 @@ export interface SceneOptions {
 /** Milliseconds between redrawings of the map's colours, and of its streamlines. */
 const MAP_EVERY = 60;
 const LINES_EVERY = 330;
+/** Milliseconds that an answer is waited for. */
+const PATIENCE = 150;
 /** Tracer particles; few for eyes that want calm, and where a processor draws them. */
 const MANY = 900;
 const FEW = 300;
@@ -42,6 +44,9 @@ export class Scene {
   private readonly quality = new Quality();
   private cylinder: Cylinder | null = null;
   private lost = false;
+  private readonly software: boolean;
+  /** Nothing is drawn before this time; 0 once something was. */
+  private waits = 0;
 
   private last = 0;
   private lastShown = -1;
@@ -54,7 +59,7 @@ export class Scene {
   constructor(private readonly options: SceneOptions) {
     const { palette, dark } = options;
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    const software = inSoftware();
+    const software = (this.software = inSoftware());
     this.particles = new Particles(calm, calm || software ? FEW : MANY);
     this.map = new UnwrappedMap(palette, this.particles);
     const label = (canvas: HTMLCanvasElement, text: string): void => {
@@ -96,6 +101,14 @@ export class Scene {
     return { frames: this.quality.frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown };
   }
 
+  /**
+   * Something was asked of the cell. A processor that draws has no time to compute and to listen: it leaves off
+   * until the answer is there.
+   */
+  expect(): void {
+    if (this.software && !this.waits) this.waits = performance.now() + PATIENCE;
+  }
+
   /** Show the next frame as soon as it comes, without a passage: it answers an action. */
   hurry(): void {
     this.fields.hurried = true;
@@ -104,6 +117,7 @@ export class Scene {
   show(frame: Frame): void {
     const { length } = this.fields;
     const first = this.fields.empty;
+    if (this.fields.hurried) this.waits = Math.min(this.waits, 1);
     this.fields.take(frame, performance.now());
     if (first || frame.length !== length) {
       this.view.length = frame.length;
@@ -170,6 +184,7 @@ export class Scene {
     requestAnimationFrame(this.loop);
     const since = now - this.last;
     const { fields } = this;
+    if (now < this.waits) return;
     // Without a change nothing is drawn: a cell that is paused costs nothing.
     const moves = this.playing && !fields.empty;
     const passes = this.mapped.version !== fields.version || this.mapped.mixing < 1;
@@ -187,6 +202,7 @@ export class Scene {
   private draw(now: number, everything: boolean): void {
     const { fields, map, view, control, mapped } = this;
     this.dirty = false;
+    this.waits = 0;
     const mixing = fields.mixing(now);
     fields.blend(mixing);
     const changed = mapped.version !== fields.version || mapped.mixing !== mixing;
