@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import secrets
 import socket
 import struct
 import threading
@@ -27,6 +28,7 @@ from clients import (
     poured,
     raw,
     repeated,
+    said,
     together,
     visit,
     words_of,
@@ -125,7 +127,8 @@ def grids(port: int, seconds: float) -> str:
         grid = {"n_theta": 8 + 2 * (k % 50), "n_z": 10 + 2 * (k // 50 % 50)}
         with visit(port) as wire:
             ask(wire, do="begin", setup={"grid": grid})
-            message = json.loads(wire.recv(30))
+            while (message := json.loads(wire.recv(30)))["type"] not in ("cell", "refused", "ended"):
+                pass
             return str(message.get("sentence", "served"))
 
     return together(act, port, seconds)
@@ -183,6 +186,42 @@ def crowd(port: int, seconds: float) -> str:
         return "served"
 
     return together(act, port, seconds, 100)
+
+
+def signs(port: int, seconds: float) -> str:
+    """Say without end that one is there, ask whether the server is, and read nothing."""
+    before = frame(TEXT, json.dumps(BEGIN).encode())
+    data = (frame(TEXT, b'{"do":"ping"}') + frame(TEXT, b'{"do":"alive"}')) * 1000
+    return together(lambda port, end: poured(port, end, data, before), port, seconds)
+
+
+def tokens(port: int, seconds: float) -> str:
+    """Guess the tokens of others' sessions."""
+
+    def act(port: int, end: float) -> str:
+        with visit(port) as wire:
+            ask(wire, do="resume", token=secrets.token_urlsafe(32))
+            return str(json.loads(wire.recv(30))["type"])
+
+    return together(act, port, seconds)
+
+
+def returns(port: int, seconds: float) -> str:
+    """Begin a cell, and take it up over one connection after another without leaving those before."""
+
+    def act(port: int, end: float) -> str:
+        with contextlib.ExitStack() as held:
+            wire = held.enter_context(visit(port))
+            ask(wire, **BEGIN)
+            token = said(wire, "welcome")["token"]
+            while time.monotonic() < end:
+                wire = held.enter_context(visit(port))
+                ask(wire, do="resume", token=token)
+                if said(wire, "resumed")["token"] != token:
+                    return "another session"
+        return "resumed"
+
+    return together(act, port, seconds, 3)
 
 
 def strangers(port: int, seconds: float) -> str:
@@ -259,6 +298,6 @@ ATTACKS: dict[str, Callable[[int, float], str]] = {
     attack.__name__: attack
     for attack in (
         *(malformed, huge, bomb, fragments, pings, tiny, unread, valid, grids, largest, protocols),
-        *(regions, noise, curves, crowd, strangers, abrupt, half_open, bodies, files),
+        *(regions, noise, curves, crowd, signs, tokens, returns, strangers, abrupt, half_open, bodies, files),
     )
 }

@@ -55,6 +55,8 @@ def said(wire: ClientConnection, kind: str, timeout: float = 60.0) -> dict[str, 
             ask(wire, do="seen", frame=0)
         elif (words := json.loads(message))["type"] == kind:
             return words
+        elif words["type"] == "alive":
+            ask(wire, do="alive")
 
 
 def frame(opcode: int, data: bytes = b"", *, last: bool = True, packed: bool = False) -> bytes:

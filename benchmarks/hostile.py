@@ -38,7 +38,7 @@ def server() -> Iterator[tuple[int, psutil.Process]]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    command = [sys.executable, "-m", "cyclosis", "explore", "--no-browser", "--port", str(port)]
+    command = [sys.executable, "-m", "cyclosis", "explore", "--no-browser", "--no-ahead", "--port", str(port)]
     one_thread = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
     started = subprocess.Popen(command, env=one_thread, stdout=subprocess.DEVNULL)
     try:
@@ -88,7 +88,9 @@ class Visitor(threading.Thread):
                     self.longest, seen = max(self.longest, now - seen), now
                     self.pictures += 1
                     ask(wire, do="seen", frame=0)
-                elif json.loads(message)["type"] == "cell" and acted:
+                elif (kind := json.loads(message)["type"]) == "alive":
+                    ask(wire, do="alive")
+                elif kind == "cell" and acted:
                     self.longest, acted = max(self.longest, now - acted), 0.0
                 if self.pictures > 20 and not self.playing.is_set():
                     self.longest = 0.0

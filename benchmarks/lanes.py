@@ -22,7 +22,7 @@ import numpy as np
 import cyclosis as cy
 from cyclosis.dynamics.advance import Control, start
 from cyclosis.ensemble import EnsembleSettings, Member, follow
-from cyclosis.ensemble.lanes import CHECK_STEPS, run_lanes, tables
+from cyclosis.ensemble.lanes import CHECK_STEPS, run_lanes, stacked, tables
 from cyclosis.model.system import system
 
 TRANSFORMS = 7
@@ -49,16 +49,14 @@ def step_cost(grid: cy.CylinderGrid, lanes: int, precision: str) -> float:
     params = cy.Parameters()
     host = system(params, grid, precision=precision)
     cell = jax.device_put(host)
-    control = Control(*(np.float64(x) for x in (1e-3, 1e-10, 0.1, -1.0)))
+    control = Control.of(rtol=1e-3, atol=1e-10, bound=cy.models.polar.bound)
     one = start(cell, host.spectrum(cy.initial.disordered(grid)), np.float64(0.0))
-    batch = jax.device_put(jax.tree.map(lambda leaf: np.stack([np.asarray(leaf)] * lanes), one))
-    values = jax.tree.map(lambda leaf: np.stack([np.asarray(leaf)] * lanes), cell.values)
-    cells = cell.with_values(jax.device_put(values))
+    batch, cells = stacked([one] * lanes), cell.with_values(stacked([cell.values] * lanes))
     table, times = tables(cell), []
     for _ in range(12):
         began = time.perf_counter()
-        batch, signs = run_lanes(cells, control, table, batch, np.float64(1e9))
-        jax.block_until_ready(signs)
+        batch, stands = run_lanes(cells, control, table, batch, np.float64(1e9), how=cy.models.polar.lanes)
+        jax.block_until_ready(stands)
         times.append(time.perf_counter() - began)
     return float(np.median(times[2:])) / (CHECK_STEPS * STAGES * lanes)
 

@@ -1,7 +1,7 @@
 """Write the measured tables of docs/quality.md from docs/data/faults.json and docs/data/coverage.json.
 
 python benchmarks/quality.py                    # from what is stored
-python benchmarks/quality.py .coverage.json     # first store a new coverage report, room by room
+python benchmarks/quality.py .coverage.json     # first store a new coverage report, part by part
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PARTS = ("statements", "statements_run", "branches", "branches_run")
 
 
 def rooms(report: dict) -> dict[str, dict[str, int]]:
-    """Return what was run of every room, from a report of coverage.py."""
+    """Return what was run of every part of the package, from a report of coverage.py."""
     out: dict[str, Counter[str]] = {}
     for path, told in sorted(report["files"].items()):
         inside = path.partition("cyclosis/")[2].split("/")
@@ -31,8 +31,8 @@ def rooms(report: dict) -> dict[str, dict[str, int]]:
 
 
 def coverage(measured: dict[str, dict[str, int]]) -> str:
-    """Return the table of coverage by room."""
-    out = "| room | files | statements | run, % | branches | run, % |\n|---|---:|---:|---:|---:|---:|\n"
+    """Return the table of coverage by part."""
+    out = "| part | files | statements | run, % | branches | run, % |\n|---|---:|---:|---:|---:|---:|\n"
     whole = Counter()
     for room, numbers in measured.items():
         whole.update(numbers)
@@ -55,7 +55,7 @@ def faults(results: list[dict]) -> str:
     """Return the table of deliberate faults."""
     caught = sum(result["outcome"] == "caught" for result in results)
     out = f"{caught} of {len(results)} faults are caught.\n\n"
-    out += "| fault | in | instead of | stands | first test that fails |\n|---|---|---|---|---|\n"
+    out += "| fault | in | original | changed to | first test that fails |\n|---|---|---|---|---|\n"
     for item in results:
         cells = [f"`{item[key].strip()}`".replace("|", "\\|") for key in ("file", "line", "faulty")]
         by = f"`{item['by']}`" if item["by"] else item["outcome"]

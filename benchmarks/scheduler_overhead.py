@@ -25,10 +25,10 @@ import psutil
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from cyclosis.sweep.environment import wanted
+from cyclosis.sweep.cluster.environment import wanted
+from cyclosis.sweep.cluster.progress import SweepProgress
+from cyclosis.sweep.cluster.running_cluster import guest_client
 from cyclosis.sweep.execute import run_sweep
-from cyclosis.sweep.guests import guest_client
-from cyclosis.sweep.tally import SweepProgress
 from measure.faults import environment
 from measure.sweeps import made_up, sweep
 

@@ -16,9 +16,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from cyclosis.sweep.collect import open_sweep
-from cyclosis.sweep.plan import Sweep
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.plan.sweep import Sweep
+from cyclosis.sweep.store.read import open_sweep
+from cyclosis.sweep.store.store import Store
 from sweep import fakes
 
 TURNS = 5

@@ -22,7 +22,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.store.store import Store
 from measure.faults import KINDS, Blow, Round, disturbed, made_up_command, real_command, start
 
 

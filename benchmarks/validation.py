@@ -26,6 +26,8 @@ SECTIONS = {
     "thresholds": "Thresholds of existence and stability",
     "whole_cell": "Modes of the whole cell",
     "continuation": "Branches of states",
+    "kinetic": "The kinetic model",
+    "vacuole": "The flow in the vacuole",
 }
 
 

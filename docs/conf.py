@@ -20,17 +20,17 @@ html_title = "cyclosis"
 html_copy_source = False
 highlight_language = "none"
 
-myst_enable_extensions = ["amsmath", "dollarmath"]
+myst_enable_extensions = ["amsmath", "dollarmath", "html_image"]
 myst_heading_anchors = 4
 
-# Every page with cells is run anew, in a folder of its own, with the commands of this environment.
+# Every page with cells is run again, in a separate folder, with the commands of this environment.
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
 logging.getLogger("traitlets").setLevel(logging.WARNING)
-# Kernels have a profile of their own, in which only errors are told of.
+# Kernels have a separate profile, in which only errors are logged.
 os.environ["IPYTHONDIR"] = str(Path(__file__).parent / "_build" / "ipython")
 _profile = Path(os.environ["IPYTHONDIR"]) / "profile_default"
 _profile.mkdir(parents=True, exist_ok=True)

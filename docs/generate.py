@@ -1,4 +1,4 @@
-"""Write the pages that follow from definitions, docstrings, scripts and stored data.
+"""Write the pages that are generated from definitions, docstrings, scripts and stored data.
 
 python docs/generate.py            # writes the files named in `PAGES`
 """
@@ -20,13 +20,15 @@ import xarray
 import cyclosis
 from cyclosis.analysis.diagnostics import QUANTITIES
 from cyclosis.analysis.regimes import REGIMES
-from cyclosis.experiments.catalogue import NAMES
+from cyclosis.experiments.catalogue import NAMES, experiment
 from cyclosis.experiments.experiment import OUTCOMES
 from cyclosis.model.definitions import TABLES, Definition
+from cyclosis.model.definitions import option as option_name
 from cyclosis.model.filaments import TERMS
 from cyclosis.model.interventions import ACTIONS, AT, SHAPES
-from cyclosis.sweep import definitions as sweeps
-from cyclosis.sweep.variables import FIELD, STANDARD
+from cyclosis.models import polar
+from cyclosis.sweep.plan import definitions as sweeps
+from cyclosis.sweep.plan.variables import field, standard
 
 HERE = Path(__file__).parent
 NOTE = "<!-- Written by docs/generate.py from the definitions in the code. -->\n\n"
@@ -41,7 +43,7 @@ def settings() -> str:
         out += "|---|---|---|---|---|---|\n"
         for item in items:
             allowed = item.rule + (", or a field (n_theta, n_z)" if item.field else "")
-            option = "--" + item.name.replace("_", "-")
+            option = option_name(table, item)
             meant = f"{_cell(item.symbol)} | {_cell(item.meaning)}"
             out += f"| `{item.name}` | `{option}` | {meant} | {allowed} | {_default(item)} |\n"
     out += _protocols() + _sweep()
@@ -50,9 +52,9 @@ def settings() -> str:
 
 
 def _protocols() -> str:
-    """Return the keys of the steps of a protocol and of the regions they may be limited to."""
+    """Return the keys of the steps of a protocol and of their regions."""
     out = "\n## Protocols\n\nThe keys of a step of a [protocol](protocols.md), a table [[protocol]], "
-    out += "besides `action`. `change` takes further\nthe names and values of [parameters].\n\n"
+    out += "besides `action`. `change` also\ntakes the names and values of [parameters].\n\n"
     out += "| action | does | key | meaning | allowed | default |\n|---|---|---|---|---|---|\n"
     out += f"| any | | `{AT.name}` | {AT.meaning} | {AT.rule} | - |\n"
     for name, action in ACTIONS.items():
@@ -66,7 +68,7 @@ def _protocols() -> str:
                 out += f"{head} `{item.name}` | {_cell(item.meaning)} | {item.rule} | {default} |\n"
                 head = "| | |"
     out += "\nThe keys of a region, the table `where`, besides `shape`. "
-    out += "All take `invert = true` for all but it.\n\n"
+    out += "Every region also takes `invert = true`, which gives its complement.\n\n"
     out += "| shape | is | key | meaning | allowed | default |\n|---|---|---|---|---|---|\n"
     for name, (meaning, items) in SHAPES.items():
         head = f"| `{name}` | {meaning} |"
@@ -83,7 +85,7 @@ def _sweep() -> str:
     out = (
         "\n## Sweeps\n\nThe tables of a [sweep](sweeps.md) are [parameters], [grid] and [initial] as above, "
     )
-    out += "less `seed`,\nand these.\n"
+    out += "without `seed`,\nand these.\n"
     out += "\n### [axes]\n\nA key is one of " + ", ".join(f"`{name}`" for name in sweeps.AXES)
     out += "; each is a table of\n\n" + _plain_table(sweeps.AXIS)
     for name in ("ensemble", "run", "record"):
@@ -100,8 +102,8 @@ def _plain_table(items: Iterable[Definition]) -> str:
 
 
 def _allowed(item: Definition) -> str:
-    """Return the rule of a setting; the ends of an axis are those of what is swept."""
-    return "as for what is swept" if abs(item.minimum) >= 1e300 else item.rule
+    """Return the rule of a setting. The ends of an axis have the rule of the swept setting."""
+    return "as for the swept setting" if abs(item.minimum) >= 1e300 else item.rule
 
 
 def _default(item: Definition) -> str:
@@ -110,20 +112,20 @@ def _default(item: Definition) -> str:
 
 def quantities() -> str:
     """Return the page of every recorded quantity."""
-    out = NOTE + "# Quantities\n\nRecorded along every run, and returned by `cyclosis.diagnose`.\n\n"
+    out = (
+        NOTE + "# Quantities\n\nEvery run records these quantities, and `cyclosis.diagnose` returns them.\n\n"
+    )
     out += "| name | symbol | dimensions | unit | meaning |\n|---|---|---|---|---|\n"
     for item in QUANTITIES:
         dims = ", ".join(("time", *item.dims))
         out += f"| `{item.name}` | {_cell(item.symbol)} | {dims} | {item.unit} | {_cell(item.meaning)} |\n"
     out += (
-        "\n## Of every member of a sweep\n\nOver the axes, `seed` and further dimensions; unit 1. Missing is "
+        "\n## Of every member of a sweep\n\nThe dimensions are the axes, `seed` and those of the table. "
+        "The unit is 1. Missing values are\n-1 in integers and NaN in numbers. `[record] quantities` adds "
+        "the quantities above, of the final state, and\n`fields = true` adds `P`.\n\n"
     )
-    out += (
-        "-1 in integers and NaN in numbers.\n`[record] quantities` adds those above, of the final state, and "
-    )
-    out += "`fields = true` adds `P`.\n\n"
     out += "| name | further dimensions | type | meaning |\n|---|---|---|---|\n"
-    for variable in (*STANDARD, FIELD):
+    for variable in (*standard(polar), field(polar)):
         dims = ", ".join(variable.dims) or "-"
         out += f"| `{variable.name}` | {dims} | {variable.dtype} | {_cell(variable.meaning)} |\n"
     return out
@@ -136,8 +138,8 @@ def _cell(text: str) -> str:
 
 def symbols() -> str:
     """Return the page of symbols and the names that they have in code."""
-    out = NOTE + "# Symbols and names\n\nWhat formulas call by a symbol, and code and files by a name. "
-    out += "Ranges are in\n[settings](settings.md), equations in [the model](model.md).\n"
+    out = NOTE + "# Symbols and names\n\nThe symbols in formulas, and their names in code and files. "
+    out += "Ranges are in\n[settings](settings.md), and equations in [the model](model.md).\n"
     out += "\n## Given\n\n| symbol | name | meaning | default |\n|---|---|---|---|\n"
     for table, items in TABLES.items():
         for item in items:
@@ -153,8 +155,10 @@ def symbols() -> str:
 
 def gallery() -> str:
     """Return the page that lists the scripts of the gallery."""
-    out = NOTE + "# Gallery\n\nPhenomena, each by a script of some seconds and by numbers that prove it.\n"
-    out += "The scripts are in `examples/`; these pages run them.\n\n"
+    out = (
+        NOTE + "# Gallery\n\nEach phenomenon is shown by a script that takes some seconds, and by numbers.\n"
+    )
+    out += "The scripts are in `examples/`, and these pages run them.\n\n"
     out += "".join(f"* [{_titled(path)[0]}]({path.stem}.md)\n" for path in EXAMPLES)
     return out + "\n```{toctree}\n:hidden:\n\n" + "".join(f"{p.stem}\n" for p in EXAMPLES) + "```\n"
 
@@ -180,7 +184,7 @@ def example(path: Path) -> str:
 
 
 def _titled(path: Path) -> tuple[str, str, int]:
-    """Return a script's title, what it says of itself, and the line at which its code begins."""
+    """Return a script's title, its description, and the line at which its code begins."""
     tree = ast.parse(path.read_text())
     title, _, text = (ast.get_docstring(tree) or "").partition("\n\n")
     return title.rstrip("."), text, tree.body[1].lineno
@@ -207,7 +211,7 @@ def reference(name: str) -> str:
 
 
 def _home(module: str) -> str:
-    """Return the module that a name like cyclosis.zones stands for."""
+    """Return the module that a name like cyclosis.zones refers to."""
     first, _, rest = module.partition(".")
     return getattr(cyclosis, rest).__name__ if rest in cyclosis.__all__ else f"{first}.{rest}"
 
@@ -216,7 +220,7 @@ def _public(module: str) -> list[str]:
     """Return the functions and classes that a module offers and that `cyclosis` itself does not."""
     home = import_module(module)
     package = hasattr(home, "__path__")
-    found = []
+    found = [*HANDED_ON.get(module, ())]
     for name, value in vars(home).items():
         if name.startswith("_") or not (inspect.isfunction(value) or inspect.isclass(value)):
             continue
@@ -244,28 +248,49 @@ def claims() -> str:
     """Return the page of the paper's claims, from the datasets in docs/data/experiments."""
     out = "<!-- Written by docs/generate.py from the datasets in data/experiments. -->\n\n"
     out += "# The paper's claims\n\n"
-    out += "What Woodhouse & Goldstein (2013) claim of living cells and of their model, in our words, put\n"
-    out += "to the model cell by [virtual experiments](experiments.md): full form, with the numbers that\n"
-    out += "decide.\n\n"
-    lines, pictures, tally = [], [], dict.fromkeys(OUTCOMES, 0)
+    out += "Woodhouse & Goldstein (2013) make claims about living cells and about their model. "
+    out += "[Virtual experiments](experiments.md)\ntest each of them on the model cell. "
+    out += "This page has the results of the full form. "
+    out += "The last two claims, on the vacuole, are from other literature.\n\n"
+    rows, sections, tally = "", [], dict.fromkeys(OUTCOMES, 0)
     for name in NAMES:
         file = HERE / "data" / "experiments" / f"{name}.nc"
         if not file.exists():
             continue
+        chosen = experiment(name)
         with xarray.open_dataset(file, engine="h5netcdf") as data:
-            told = {key: str(value) for key, value in data.attrs.items()}
-        tally[told["verdict"]] += 1
-        picture = f"images/experiments/{name}.png"
-        cells = (told["claim"], told["measured"], f"**{told['verdict']}**")
-        lines.append(f"| [{name}](#{name}) | " + " | ".join(map(_cell, cells)) + " |\n")
-        pictures.append(
+            said = {key: str(value) for key, value in data.attrs.items()}
+            decisive = chosen.decisive(data)
+        tally[said["verdict"]] += 1
+        verdict, picture = f"**{said['verdict']}**", f"images/experiments/{name}.png"
+        # Both GitHub and Sphinx link an image with a width to the image itself.
+        thumbnail = f'<img src="{picture}" alt="{name}" width="120">'
+        cells = (f"[{chosen.headline}](#{name})", verdict, decisive, thumbnail)
+        rows += f"| {' | '.join(map(_cell, cells))} |\n"
+        sections.append(
             f"## {name}\n\n![{name}: the cell and what was measured]({picture})\n\n"
-            f"The paper: {told['claim_source']}. {told['method']} {told['seeds']} seeds, "
-            f"`{told['command']}`.\n"
+            f"* **Claim:** {chosen.claim} ({chosen.source})\n"
+            f"* **Verdict:** {verdict}\n"
+            f"* **Method:** {chosen.method} {said['seeds']} seeds, `{said['command']}`.\n"
+            "* **Measured:**\n" + "".join(f"    * {_cell(part)}\n" for part in _parts(said["measured"]))
         )
-    out += ", ".join(f"{count} {outcome}" for outcome, count in tally.items()) + ".\n\n"
-    out += "| experiment | the paper's claim | measured | verdict |\n|---|---|---|---|\n"
-    return out + "".join(lines) + "\n" + "\n".join(pictures)
+    agree, in_part, do_not = tally.values()
+    total = agree + in_part + do_not
+    out += f"Of {total} claims {agree} agree, {in_part} agree in part and {do_not} do not. "
+    out += "Intervals are 95 %. Each claim leads to all that was measured.\n\n"
+    out += "| the paper's claim | verdict | decisive number | picture |\n|---|---|---|---|\n"
+    return out + rows + "\n" + "\n".join(sections)
+
+
+def _parts(text: str) -> list[str]:
+    """Return the parts of a sentence, or of several, that semicolons and stops outside brackets divide."""
+    parts, depth, start = [], 0, 0
+    for k, letter in enumerate(text):
+        depth += (letter == "(") - (letter == ")")
+        if depth == 0 and text[k : k + 2] in ("; ", ". "):
+            parts.append(text[start:k])
+            start = k + 2
+    return [*parts, text[start:]]
 
 
 def peers() -> str:
@@ -300,9 +325,20 @@ ORDER = (
     *("circumferential", "drifting_stripes", "helix", "cytochalasin", "wound"),
 )
 EXAMPLES = sorted((HERE.parent / "examples").glob("*.py"), key=lambda path: ORDER.index(path.stem))
-"""The scripts of the gallery, in the order of its story."""
+"""The scripts of the gallery, in its order."""
 
 
+HANDED_ON = {
+    "cyclosis.analysis.diagnostics": ("Quantity",),
+    "cyclosis.model.initial": ("bump", "with_concentration"),
+    "cyclosis.kinetic": (
+        *("moments", "density", "order", "dressed", "nematic", "disordered", "with_noise"),
+        *("thresholds", "NematicThresholds", "uniform_state", "growth_rates", "kinetic_model"),
+        *("dispersion", "KineticDispersion", "travelling_state", "TravellingState", "KineticModes"),
+        *("continuation", "KineticBranch"),
+    ),
+}
+"""Names that a module has from elsewhere and offers as its own."""
 CONSTANTS = {
     "TERMS": "The terms of the filament equation, a tuple of `Term`: `terms=[*cy.TERMS, mine]` adds one.",
     "REGIMES": "The names that a `Regime` may have; a sweep stores their indices.",
@@ -311,6 +347,7 @@ CONSTANTS = {
 FIGURES = {
     "cyclosis.figures.emergence": ["emergence"],
     "cyclosis.figures.history": ["history"],
+    "cyclosis.figures.roses": ["roses"],
     "cyclosis.figures.movie": ["movie"],
     "cyclosis.figures.cylinder": ["draw"],
     "cyclosis.figures.unwrapped": ["draw_map"],
@@ -318,11 +355,16 @@ FIGURES = {
     "cyclosis.figures.phase_diagram": ["phase_diagram"],
     "cyclosis.figures.regime_maps": ["regimes_and_time"],
     "cyclosis.figures.basins": ["basins"],
-    "cyclosis.figures.dispersion": ["dispersion"],
+    "cyclosis.figures.dispersion": ["dispersion", "kinetic_dispersion"],
+    "cyclosis.figures.kinetic": ["travelling"],
     "cyclosis.figures.spectra": ["profile", "drifting", "spectrum", "eigenvalues"],
     "cyclosis.figures.bifurcation": ["bifurcation"],
     "cyclosis.figures.limits": ["limits"],
     "cyclosis.figures.regime_map": ["regime_map"],
+    "cyclosis.figures.vacuole_section": ["vacuole_section"],
+    "cyclosis.figures.vacuole_cutaway": ["vacuole_cutaway"],
+    "cyclosis.figures.vacuole_pitch": ["vacuole_pitch"],
+    "cyclosis.figures.dye": ["dye"],
     "cyclosis.figures.style": ["save"],
 }
 """The functions that draw and write figures, by module."""
@@ -336,7 +378,7 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     ),
     "run": (
         "A run",
-        "simulating a cell, going on, and what is done to it on the way",
+        "simulating a cell, continuing a run, and protocols",
         "simulate resume Trajectory Status Snapshot Protocol "
         "change wash_out fragment depolymerise align noise",
         (),
@@ -349,19 +391,21 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     ),
     "files": (
         "Files",
-        "runs on disk, and back",
+        "writing and reading runs",
         "write open_dataset load resume_file RunWriter",
         ("cyclosis.dataset",),
     ),
     "sweeps": (
         "Ensembles and sweeps",
-        "many cells, each to its certain end",
+        "many cells, each until its end is certain",
         "Sweep run_sweep open_sweep",
         ("cyclosis.ensemble", "cyclosis.sweep.export", "cyclosis.sweep.store"),
     ),
     "stability": ("Theory", "steady states, growth rates, thresholds", "", ("cyclosis.stability",)),
-    "experiments": ("Experiments", "the paper's claims, put to the model", "", ("cyclosis.experiments",)),
+    "experiments": ("Experiments", "tests of the paper's claims on the model", "", ("cyclosis.experiments",)),
     "figures": ("Figures", "pictures of runs, sweeps and theory", "", tuple(FIGURES)),
+    "models": ("Models", "the physics to choose from", "", ("cyclosis.models", "cyclosis.kinetic")),
+    "vacuole": ("The vacuole", "the flow inside the cell, and what it carries", "", ("cyclosis.vacuole",)),
     "traced": ("For JAX", "the functions that `jit`, `grad` and `vmap` may trace", "", ("cyclosis.traced",)),
 }
 """Pages of the reference: title, what is there, names of `cyclosis`, and modules."""
@@ -378,7 +422,7 @@ PAGES = {
     "peers.md": peers,
     "../src/cyclosis/explorer/figure5.json": phase_diagram,
 }
-"""Paths from this folder, and what stands there."""
+"""Paths from this folder, and the functions that return their content."""
 
 if __name__ == "__main__":
     for name, page in PAGES.items():

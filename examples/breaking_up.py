@@ -1,8 +1,8 @@
 """One stream breaks up into two.
 
-A cell whose filaments all point one way has no flow at all: pressure stops it. Beyond α_u = 0.327 (at α_p =
+A cell whose filaments all point the same way has no flow: pressure stops it. Beyond α_u = 0.327 (at α_p =
 0.1) one wave around the axis grows on this state. Its rate in a run is that of the 2 x 2 matrix of theory,
-and it ends in two equal stripes.
+and two equal stripes result.
 """
 
 from pathlib import Path

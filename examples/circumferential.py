@@ -1,7 +1,7 @@
 """Without a cue, cells stream around the axis.
 
-The repulsion κ is what keeps cables along the cell. Without it a disordered cell comes to stream around its
-axis, where no pressure stands against the flow. Order and speed are those of the uniform state.
+The repulsion κ keeps cables along the cell. Without it a disordered cell starts to stream around its axis,
+where no pressure opposes the flow. Order and speed are those of the uniform state.
 """
 
 from pathlib import Path

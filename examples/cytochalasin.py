@@ -1,8 +1,8 @@
 """The drug alone does not stop a cell.
 
 Cytochalasin keeps filaments from bundling: α_p = 0. In an established cell the flow that the cables drive
-holds the cables together, and streaming goes on at 92 % of its speed. Only if the drug has fragmented the
-cables as well does the cell stay still; for without bundling disorder is stable.
+keeps the cables aligned, and streaming continues at 92 % of its speed. The cell stops only if the drug also
+fragments the cables, since without bundling disorder is stable.
 """
 
 from pathlib import Path

@@ -1,8 +1,7 @@
 """With weak repulsion, stripes tilt and drift.
 
-Between κ = 0.048 and 0.471 two stripes stand aslant and turn about the axis without changing: never steady,
-never disordered. A run turns at the speed that Newton's method finds together with the shape of the
-stripes.
+Between κ = 0.048 and 0.471 two tilted stripes turn about the axis without changing: they are neither steady
+nor disordered. A run turns at the speed that Newton's method finds together with the shape of the stripes.
 """
 
 from pathlib import Path

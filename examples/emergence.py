@@ -1,7 +1,7 @@
 """Cyclosis emerges from disorder.
 
 Randomly oriented filaments order in patches, the patches merge into streams, and the streams into two
-stripes that share the cell equally, one up, one down. Nobody draws the stripes: the end is the steady state
+stripes that share the cell equally, one up, one down. The final state is the steady state
 that theory finds by Newton's method, with the same peak speed. This is the cell of the paper's Figure 4, on
 48 x 48 points.
 """

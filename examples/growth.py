@@ -1,9 +1,9 @@
 """Disorder grows wave by wave.
 
 Near disorder the force is of third order, so that there is no flow, and each wave of filament order grows
-by itself: those of P_z at the rate α_p - d_r - d_s k², those of P_θ at that less κ. Long waves along the
-cell win, and order round the axis decays. Each point is a wave of one run from faint noise; the lines are
-the rates that theory gives.
+independently: those of P_z at the rate α_p - d_r - d_s k², those of P_θ at that rate minus κ. Long waves
+along the cell grow fastest, and order around the axis decays. Each point is a wave of one run from faint
+noise, and the lines are the rates of theory.
 """
 
 from pathlib import Path

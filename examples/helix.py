@@ -1,8 +1,8 @@
 """A tilted cue keeps a helix.
 
 Old cells of Chara stream along helices. With the repulsive direction tilted by 0.4, stripes that wind once
-about the axis of a cell of one pitch keep their turn, and are the stripes of an untilted cell that is
-narrower by the cosine of the tilt: theory of one dimension gives their speed.
+about the axis of a cell of one pitch keep their turn. They are the stripes of an untilted cell that is
+narrower by the cosine of the tilt, so that one-dimensional theory gives their speed.
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Bent zones straighten.
 
-Zones that bend along the cell straighten, the longest wave last. The decay of a small bend in a run is that
-of the leading mode with one wave along the cell, -0.0541 at the parameters of Figure 4.
+Zones that bend along the cell straighten, and the longest wave decays last. The decay rate of a small bend
+in a run is that of the leading mode with one wave along the cell, -0.0541 at the parameters of Figure 4.
 """
 
 from pathlib import Path

@@ -1,9 +1,9 @@
-"""What the noise decides.
+"""The noise decides between two regimes.
 
 Where both streaming regimes are stable, the initial noise decides between them: cells whose first wave
-around the axis is large beside the mean of P_z become cyclosis, the others stream one way. Forty cells at
-α_p = 0.3, α_u = 0.1 are followed until their end is certain; the ratio 1.8, found in 2800 runs, foretells
-nearly all of them.
+around the axis is large compared with the mean of P_z become cyclosis, and the others become unidirectional.
+Forty cells at α_p = 0.3, α_u = 0.1 are integrated until their end is certain. The ratio 1.8, found in 2800
+runs, predicts nearly all of them.
 """
 
 from pathlib import Path

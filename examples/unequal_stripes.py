@@ -1,8 +1,8 @@
 """Above a threshold flow makes stripes equal.
 
-Without flow alignment the wider of two stripes always grows, by the attraction of fronts; with enough of it
-the narrower one does. The growth rate of a small difference is measured in runs at three values of α_u;
-theory computes it as an eigenvalue, and gives the α_u at which it vanishes, 0.007472 at α_p = 0.1.
+Without flow alignment the wider of two stripes always grows, by the attraction of fronts. With enough of it
+the narrower one grows. The growth rate of a small difference is measured in runs at three values of α_u.
+Theory computes it as an eigenvalue, and gives the α_u at which it vanishes, 0.007472 at α_p = 0.1.
 """
 
 from pathlib import Path

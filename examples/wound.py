@@ -1,7 +1,7 @@
-"""A wound heals, and the pattern is the old one.
+"""A wound heals to the old pattern.
 
-All filaments in a disc of one radius are fragmented. The flow around it sets the new filaments straight
-within a few R/U, and the indifferent zones run where they ran before.
+All filaments in a disc of one radius are fragmented. The flow around it aligns the new filaments
+within a few R/U, and the indifferent zones return to their old place.
 """
 
 from pathlib import Path

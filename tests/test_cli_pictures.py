@@ -39,9 +39,11 @@ def drawn(name):
         return getattr(picture, "n_frames", 1)
 
 
+@pytest.mark.slow
 def test_a_movie(cyclosis, stored):
-    told = cyclosis("movie", stored, "--out", "run.gif", "--frames", 6, "--seconds", 0.5, "--quiet")
+    told = cyclosis("movie", stored, "--out", "run.gif", "--frames", 6, "--seconds", 0.5)
     assert "saved run.gif" in told
+    assert cyclosis("movie", stored, "--out", "again.gif", "--frames", 2, "--seconds", 0.5, "--quiet") == ""
     assert drawn("run.gif") == 6
     with pytest.raises(cy.InputError, match="force"):
         cyclosis("movie", stored, "--out", "run.gif")
@@ -54,6 +56,7 @@ def test_an_export_for_paraview(cyclosis, stored):
     assert all((collection.parent / piece).exists() for piece in pieces)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["share", "regimes"])
 def test_the_phase_diagram_from_its_table(cyclosis, kind):
     table = ROOT / "docs" / "data" / "figure5.nc"
@@ -76,6 +79,7 @@ THEORY = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", THEORY)
 @pytest.mark.parametrize("suffix", ["png", "nc"])
 def test_theory(cyclosis, name, suffix):

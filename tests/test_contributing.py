@@ -106,7 +106,12 @@ def test_a_term(tree):
     one, two, three, four, five = steps("Add a term")
     function = 'def damping(now: Moment) -> jax.Array:\n    """Return -γ |P|² P."""\n'
     function += "    return -now.values.damping * dot(now.p, now.p) * now.p\n\n\n"
-    tree.change(one, "cyclosis/model/filaments.py", ("def bundling(", function + "def bundling("))
+    tree.change(
+        one,
+        "cyclosis/model/filaments.py",
+        ("def bundling(", function + "def bundling("),
+        ('    "bundling": bundling,\n', '    "damping": damping,\n    "bundling": bundling,\n'),
+    )
     entry = '    Entry("damping", "-γ |P|² P", "rate", "Order undoes itself."),\n'
     tree.change(two, "cyclosis/model/equation.py", ("EQUATION = (\n", "EQUATION = (\n" + entry))
     coupling = '    Definition("damping", "γ", "damping of order by order", 0.0, field=True),\n'
@@ -116,6 +121,11 @@ def test_a_term(tree):
     assert "`Parameters`" in three
     new = parameters.read_text().replace(field, field + '    damping: Coupling = _DEFAULT["damping"]\n')
     parameters.write_text(new)
+    tree.change(
+        three,
+        "cyclosis/model/moment.py",
+        ("    alpha_p: Any\n", "    damping: Any\n    alpha_p: Any\n"),
+    )
     tree.change(
         three,
         "cyclosis/model/scales.py",
@@ -150,7 +160,7 @@ def test_a_term(tree):
 
 QUANTITY = """    Quantity(
         "following", "<P·u>", (), "1", "how far filaments point along the flow",
-        lambda cell, now: jnp.mean(dot(now.p, now.u)),
+        lambda system, now: jnp.mean(dot(now.p, now.u)),
     ),
 """
 LAW = '''
@@ -183,12 +193,12 @@ def test_a_diagnostic(tree):
     assert "| `following` | \\<P·u> |" in tree.page("quantities.md").replace("| <P·u>", "| \\<P·u>")
 
 
-STEPPER = '''def heun_step(system: System, h: Any, t: Any, _: Any, Z: jax.Array, N1: jax.Array) -> Step:
+STEPPER = '''def heun_step(system: System, h: Any, t: Any, _: Any, Z: jax.Array, N1: jax.Array) -> Stepped:
     """Advance by Heun's method of second order (Z. Math. Phys. 45 (1900) 23)."""
     N2 = system.nonlinear(system.at(Z + h * N1, t + h))
     new = Z + 0.5 * h * (N1 + N2)
     end = system.at(new, t + h)
-    return Step(new, system.nonlinear(end), 0.5 * h * (N2 - N1), jnp.max(dot(end.p, end.p)))
+    return Stepped(new, system.nonlinear(end), 0.5 * h * (N2 - N1), system.peak(end))
 
 
 METHODS = {
@@ -220,6 +230,53 @@ def test_a_stepper(tree):
     assert "rk4, heun" in tree.page("settings.md")
 
 
+MODEL_WORKS = """
+from scipy.special import iv
+
+ring = cy.models.ring
+grid, params = ring.grid(48), ring.parameters(alpha_p=1.0, d_r=0.2)
+state = (1 + 0.2 * np.cos(grid.phi)) / (2 * np.pi)
+run = cy.simulate(params, grid, state, 60.0, model=ring, rtol=1e-8)
+P = run.records["order"][-1]
+assert abs(P - iv(1, 5 * P) / iv(0, 5 * P)) < 1e-6 and P > 0.5
+half = cy.write(cy.simulate(params, grid, state, 30.0, model=ring, rtol=1e-8), "ring.nc")
+assert np.array_equal(cy.resume_file(half, 60.0).final_state, run.final_state)
+assert cy.load("ring.nc").model is ring
+"""
+
+
+def test_a_model(tree):
+    one, two, three, four, five = steps("Add a model")
+    assert "tests/models/ring.py" in one
+    source = (tree.folder / "tests" / "models" / "ring.py").read_text()
+    assert "cyclosis/models/NAME.py" in two
+    (tree.folder / "src" / "cyclosis" / "models" / "ring.py").write_text(source)
+    tree.change(
+        three,
+        "cyclosis/models/__init__.py",
+        (
+            "from .polar_cylinder import polar as polar\n",
+            "from .polar_cylinder import polar as polar\nfrom .ring import ring as ring\n",
+        ),
+        ("for item in (polar, kinetic, coupled)", "for item in (polar, kinetic, coupled, ring)"),
+    )
+    tree.change(
+        three,
+        "cyclosis/model/definitions.py",
+        ('allowed=("polar", "kinetic", "coupled")', 'allowed=("polar", "kinetic", "coupled", "ring")'),
+    )
+    tree.python(MODEL_WORKS)
+    assert "polar, kinetic, coupled, ring" in tree.cyclosis("run", "--help")
+    tree.cyclosis("figure", "history", "ring.nc", "--out", "ring.png")
+    contract = tree.folder / "tests" / "models" / "test_contract.py"
+    assert "tests/models/test_contract.py" in four
+    contract.write_text(contract.read_text().replace("from models.ring", "from cyclosis.models.ring"))
+    told = tree.run("-m", "pytest", "-v", "-k", "von_mises or bit_for_bit", str(contract))
+    assert "4 passed" in told
+    assert "generate.py" in five
+    assert "polar, kinetic, coupled, ring" in tree.page("settings.md")
+
+
 EXPERIMENT = '''"""Whether disorder orders."""
 
 import matplotlib.pyplot as plt
@@ -244,6 +301,10 @@ def verdict(data):
     return Verdict(AGREES if least > 0.5 else DOES_NOT, f"least order {least:.2f}")
 
 
+def decisive(data):
+    return f"{float(data['order'].min()):.2f} is the least order"
+
+
 def draw(data):
     figure, ax = plt.subplots()
     ax.plot(data["order"])
@@ -252,7 +313,17 @@ def draw(data):
 
 '''
 TABLE = """EXPERIMENT = Experiment(
-    "ordering", "Disorder orders.", "Abstract", "Cells are followed.", 10, 2, measure, verdict, draw
+    name="ordering",
+    headline="Disorder orders.",
+    claim="Disorder orders in every cell.",
+    source="Abstract",
+    method="Cells are integrated.",
+    seeds=10,
+    quick_seeds=2,
+    measure=measure,
+    verdict=verdict,
+    decisive=decisive,
+    draw=draw,
 )
 """
 
@@ -261,13 +332,14 @@ def test_an_experiment(tree):
     one, two, three, four, five = steps("Add an experiment")
     assert "measure(lab)" in one
     assert "verdict(data)" in two
+    assert "decisive(data)" in two
     assert "draw(data)" in two
     assert "EXPERIMENT = Experiment" in three
     folder = tree.folder / "src" / "cyclosis" / "experiments"
     (folder / "ordering.py").write_text(EXPERIMENT + TABLE)
     tree.change(four, "cyclosis/experiments/catalogue.py", ("NAMES = (\n", 'NAMES = (\n    "ordering",\n'))
     assert "cyclosis experiment NAME" in five
-    assert "Disorder orders." in tree.cyclosis("experiment", "list")
+    assert "Disorder orders in every cell." in tree.cyclosis("experiment", "list")
     told = tree.cyclosis("experiment", "ordering", "--quick", "--quiet", "--out", "out")
     assert re.search(r"AGREES.*least order 0\.\d\d", told, re.DOTALL)
     assert sorted(path.name for path in (tree.folder / "out").glob("ordering.*")) == [

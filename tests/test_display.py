@@ -11,6 +11,7 @@ from PIL import Image
 
 import cyclosis as cy
 from cyclosis.display.notebook import cylinder, map_of, tree
+from cyclosis.figures import style
 
 
 def pixels(html):
@@ -29,14 +30,14 @@ def test_a_run_is_a_tree_and_its_last_state():
     assert pixels(html).shape == (16, 16, 3)
 
 
-def test_up_is_green_and_down_purple_and_the_axis_points_up():
+def test_up_and_down_have_the_colours_of_the_figures_and_the_axis_points_up():
     P = np.zeros((2, 8, 4))
     P[1, 0, 3] = 1.0  # the lower left corner is theta = 0, z = 0: this is the upper left one
     P[1, 7, 0] = -1.0
     seen = pixels(map_of(P, 5.0))
     assert seen.shape == (4, 8, 3)
-    assert seen[0, 0].argmax() == 1
-    assert seen[3, 7].argmax() == 2
+    assert seen[0, 0] / 255 == pytest.approx(style.polarity_rgb(1.0), abs=0.01)
+    assert seen[3, 7] / 255 == pytest.approx(style.polarity_rgb(-1.0), abs=0.01)
     assert seen[1, 3].max() < 40
 
 

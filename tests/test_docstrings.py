@@ -143,14 +143,14 @@ def test_the_public_names_are_found():
     assert len(PUBLIC) > 120
     for name in (
         "cyclosis.model.initial.stripes",
-        "cyclosis.stability.branch.Branch",
+        "cyclosis.stability.branches.branch.Branch",
         "cyclosis.traced.flow",
     ):
         assert name in PUBLIC
 
 
 @pytest.mark.parametrize("name", TESTED)
-@pytest.mark.filterwarnings("ignore:some workers of this cluster could do better")
+@pytest.mark.filterwarnings("ignore:some workers of this cluster are not set up well")
 def test_examples_are_true(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     test = doctest.DocTestParser().get_doctest(inspect.cleandoc(TESTED[name]), {}, name, None, 0)

@@ -12,7 +12,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.dataset import writer as writers
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.store.store import Store
 from measure.files import differences
 from sweep import fakes
 
@@ -92,7 +92,7 @@ def test_a_cut_between_joining_parts_and_removing_them_changes_nothing(tmp_path,
     """The parts of a run that went on stand beside the file that holds them already: none counts twice."""
     path = tmp_path / "run.nc"
     cy.write(cy.simulate(cy.Parameters(), GRID, STATE, 2.0, 1.0), path)
-    monkeypatch.setattr(writers.shutil, "rmtree", lambda *_, **__: None)
+    monkeypatch.setattr(writers, "clear", lambda target: None)
     cy.resume_file(path, 4.0)
     assert (tmp_path / "run.nc.unfinished").exists()
     monkeypatch.undo()

@@ -84,7 +84,6 @@ def test_a_protocol_in_the_configuration_in_a_file_and_in_python(call, files):
         files / "P.toml",
         "--out",
         files / "b.nc",
-        "--quiet",
     )
     assert code == 0
     assert "4 steps, 1 of them after t = 4 and not reached" in out.out
@@ -218,6 +217,7 @@ def random_step(rng):
     return "[[protocol]]\n" + "\n".join(lines[rng.random() < 0.1 :])
 
 
+@pytest.mark.slow
 def test_hundreds_of_broken_protocols(call, files, monkeypatch):
     """Never a traceback, always field, value, rule and remedy; what is accepted reaches the solver."""
 

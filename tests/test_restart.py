@@ -2,9 +2,9 @@
 
 import errno
 import random
+import shutil
 import signal
-import subprocess
-import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -13,10 +13,11 @@ import pytest
 import cyclosis as cy
 from cyclosis.dataset import guarded, parts
 from cyclosis.dataset.netcdf import digest
-from measure.files import COMMAND, SETTINGS, call, differences, environment, everything, killing
+from measure.files import SETTINGS, call, differences, everything, killing, started, wait_for_parts
 
 GRID = cy.CylinderGrid(32, 24, 5.0)
-PARAMS = cy.Parameters(alpha_p=np.full(GRID.shape, 0.9))
+PARAMS = cy.Parameters(alpha_p=0.9)
+VARIED = cy.Parameters(alpha_p=np.full(GRID.shape, 0.9))
 STATE = cy.initial.disordered(GRID, 100)
 STEPPERS = {
     "adaptive": {"stepper": "adaptive"},
@@ -26,6 +27,12 @@ STEPPERS = {
 }
 
 
+def begin(t_end, **settings):
+    """Simulate; where the adaptive stepper is asked for by name, alpha_p is a field."""
+    params = VARIED if settings.get("stepper") == "adaptive" else PARAMS
+    return cy.simulate(params, GRID, STATE, t_end, 2.0, **settings)
+
+
 def stream(path, t_end=12.0, checkpoint_seconds=1e9, **settings):
     writer = cy.RunWriter(path)
     settings = {
@@ -33,7 +40,7 @@ def stream(path, t_end=12.0, checkpoint_seconds=1e9, **settings):
         "checkpoint_seconds": checkpoint_seconds,
         "record_every": 0.5,
     } | settings
-    writer.finish(cy.simulate(PARAMS, GRID, STATE, t_end, 2.0, **settings))
+    writer.finish(begin(t_end, **settings))
     return path
 
 
@@ -43,20 +50,37 @@ def straight(request, tmp_path_factory):
     return stream(folder / "straight.nc", **STEPPERS[request.param]), STEPPERS[request.param], folder
 
 
+@pytest.fixture(scope="module")
+def whole(straight):
+    """The same run in memory."""
+    return begin(12.0, record_every=0.5, **straight[1])
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    return stream(tmp_path_factory.mktemp("short") / "run.nc", t_end=2.0)
+
+
+@pytest.fixture
+def short(kept, tmp_path):
+    """A short run of the test's own."""
+    return Path(shutil.copy(kept, tmp_path))
+
+
 def test_the_same_seed_twice(straight, tmp_path):
     path, settings, _ = straight
     assert differences(path, stream(tmp_path / "again.nc", **settings)) == []
 
 
+@pytest.mark.slow
 def test_checkpoints_change_nothing(straight, tmp_path):
     path, settings, _ = straight
     assert differences(path, stream(tmp_path / "often.nc", checkpoint_seconds=0.0, **settings)) == []
 
 
-def test_a_file_streamed_equals_a_file_written_from_memory(straight, tmp_path):
-    path, settings, _ = straight
-    run = cy.simulate(PARAMS, GRID, STATE, 12.0, 2.0, record_every=0.5, **settings)
-    assert differences(path, cy.write(run, tmp_path / "memory.nc")) == []
+def test_a_file_streamed_equals_a_file_written_from_memory(straight, whole, tmp_path):
+    path, _, _ = straight
+    assert differences(path, cy.write(whole, tmp_path / "memory.nc")) == []
 
 
 def test_stopping_at_a_saved_time_and_going_on(straight, tmp_path):
@@ -66,10 +90,9 @@ def test_stopping_at_a_saved_time_and_going_on(straight, tmp_path):
     assert differences(path, stopped) == []
 
 
-def test_stopping_in_memory_and_going_on(straight):
+def test_stopping_in_memory_and_going_on(straight, whole):
     _, settings, _ = straight
-    whole = cy.simulate(PARAMS, GRID, STATE, 12.0, 2.0, record_every=0.5, **settings)
-    half = cy.simulate(PARAMS, GRID, STATE, 6.0, 2.0, record_every=0.5, **settings)
+    half = begin(6.0, record_every=0.5, **settings)
     onward = cy.resume(half, 12.0)
     assert np.array_equal(onward.final_state, whole.final_state)
     assert onward.times.tolist() == whole.times.tolist()
@@ -86,24 +109,19 @@ def test_interrupting_between_saved_times_and_going_on(straight, tmp_path):
             raise KeyboardInterrupt
 
     writer = cy.RunWriter(tmp_path / "run.nc")
-    run = cy.simulate(
-        PARAMS, GRID, STATE, 12.0, 2.0, record_every=0.5, checkpoint=writer, progress=stop, **settings
-    )
-    assert run.status == "interrupted"
-    writer.finish(run)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        begin(12.0, record_every=0.5, checkpoint=writer, progress=stop, **settings)
+    assert stopped.value.run.status == "interrupted"
+    writer.finish(stopped.value.run)
     cy.resume_file(tmp_path / "run.nc")
     assert differences(path, tmp_path / "run.nc") == []
 
 
+@pytest.mark.slow
 def test_ctrl_c_saves_says_how_to_resume_and_exits_130(tmp_path):
     arguments = ["run", *SETTINGS, "--out", "run.nc", "--checkpoint-seconds", "0"]
-    process = subprocess.Popen(
-        [*COMMAND, *arguments], cwd=tmp_path, env=environment(tmp_path), stdout=subprocess.PIPE, text=True
-    )
-    folder = parts.folder_of(tmp_path / "run.nc")
-    while len(list(folder.glob("[0-9]*.nc"))) < 3:
-        time.sleep(0.01)
-        assert process.poll() is None
+    process = started(tmp_path, *arguments)
+    wait_for_parts(process, tmp_path / "run.nc")
     process.send_signal(signal.SIGINT)
     out = process.communicate(timeout=120)[0]
     assert process.returncode == 130
@@ -125,6 +143,7 @@ def test_going_on_in_a_new_process(tmp_path, options):
     assert differences(tmp_path / "straight.nc", tmp_path / "run.nc") == []
 
 
+@pytest.mark.slow
 def test_kill_9_at_random_moments(tmp_path):
     assert killing(tmp_path, rounds=2, seed=11) == []
 
@@ -134,6 +153,7 @@ def test_kill_9_at_many_random_moments(tmp_path):
     assert killing(tmp_path, rounds=6, seed=5) == []
 
 
+@pytest.mark.slow
 def test_a_disk_that_fills_up_at_any_write_keeps_what_was_saved(tmp_path, monkeypatch):
     """Every write to the disk fails in turn; each time one sentence, a readable rest, and the same end."""
     settings = STEPPERS["adaptive"] | {"t_end": 4.0}
@@ -198,6 +218,7 @@ def test_a_diverged_run_keeps_its_checkpoints_and_is_not_resumed(tmp_path):
         cy.resume_file(tmp_path / "run.nc", t_end=100.0)
 
 
+@pytest.mark.slow
 def test_altered_files_are_named_or_the_change_touched_nothing(tmp_path):
     """Flip one byte anywhere: the file is refused, or not one bit of its contents has changed."""
     path = stream(tmp_path / "run.nc", **STEPPERS["adaptive"])
@@ -221,15 +242,14 @@ ALTERATIONS = {
 
 
 @pytest.mark.parametrize("alter", ALTERATIONS.values(), ids=ALTERATIONS)
-def test_what_another_program_alters_is_named(tmp_path, alter):
+def test_what_another_program_alters_is_named(short, alter):
     """A change for which HDF5 writes its own checksums anew."""
-    path = stream(tmp_path / "run.nc", t_end=2.0)
-    assert refusal(path) == ""
-    with h5py.File(path, "r+") as file:
+    assert refusal(short) == ""
+    with h5py.File(short, "r+") as file:
         alter(file)
-    assert "altered" in refusal(path)
+    assert "altered" in refusal(short)
     with pytest.raises(cy.InputError, match="altered"):
-        cy.open_dataset(path)
+        cy.open_dataset(short)
 
 
 def refusal(path):
@@ -241,24 +261,22 @@ def refusal(path):
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
-def test_truncated_files_are_named(tmp_path, share):
-    path = stream(tmp_path / "run.nc", t_end=2.0)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(len(whole) * share)])
+def test_truncated_files_are_named(short, share):
+    whole = short.read_bytes()
+    short.write_bytes(whole[: int(len(whole) * share)])
     for use in (cy.open_dataset, cy.load, cy.resume_file):
         with pytest.raises(cy.InputError, match=r"truncated or altered"):
-            use(path)
+            use(short)
 
 
 @pytest.mark.parametrize(("schema", "remedy"), [(0, "version that wrote it"), (99, "update cyclosis")])
-def test_files_of_another_schema_are_refused(tmp_path, schema, remedy):
-    path = stream(tmp_path / "run.nc", t_end=2.0)
-    with h5py.File(path, "a") as file:
+def test_files_of_another_schema_are_refused(short, schema, remedy):
+    with h5py.File(short, "a") as file:
         file.attrs["schema"] = schema
-        file.attrs["digest"] = digest(file)
+        file.attrs["digest"] = digest(file, cy.models.polar)
     for use in (cy.open_dataset, cy.load):
         with pytest.raises(cy.InputError, match=remedy):
-            use(path)
+            use(short)
 
 
 def test_an_unfinished_run_is_in_nobodys_way_and_nobody_in_its(tmp_path):
@@ -266,18 +284,18 @@ def test_an_unfinished_run_is_in_nobodys_way_and_nobody_in_its(tmp_path):
     run = cy.simulate(PARAMS, GRID, STATE, 4.0, 2.0, checkpoint=writer)
     assert parts.is_unfinished(tmp_path / "run.nc")
     assert cy.open_dataset(tmp_path / "run.nc").sizes["time"] == 0
-    with pytest.raises(cy.InputError, match="cyclosis resume"):
+    with pytest.raises(cy.InputError, match="resume_file") as refused:
         cy.RunWriter(tmp_path / "run.nc")
+    assert "`cyclosis resume " in refused.value.at_terminal
     writer.finish(run)
     assert not parts.is_unfinished(tmp_path / "run.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
-def test_a_finished_file_is_not_streamed_over_unless_forced(tmp_path):
-    path = stream(tmp_path / "run.nc", t_end=2.0)
+def test_a_finished_file_is_not_streamed_over_unless_forced(short):
     with pytest.raises(cy.InputError, match="force"):
-        cy.RunWriter(path)
-    assert cy.open_dataset(path).sizes["time"] == 2
+        cy.RunWriter(short)
+    assert cy.open_dataset(short).sizes["time"] == 2
 
 
 def test_a_user_term_is_needed_again_to_go_on(tmp_path):
@@ -294,11 +312,16 @@ def test_a_user_term_is_needed_again_to_go_on(tmp_path):
     assert np.array_equal(cy.resume_file(path, 4.0, terms=terms).final_state, whole.final_state)
 
 
+def test_a_run_does_not_go_on_with_other_terms():
+    run = cy.simulate(PARAMS, GRID, cy.initial.stripes(GRID), t_end=0.5, save_every=0.5)
+    with pytest.raises(cy.InputError, match=r"those of the run: .*bundling"):
+        cy.resume(run, 1.0, terms=["diffusion", "rotational_diffusion"])
+
+
 @pytest.mark.parametrize("t_end", [1.0, 2.0])
-def test_there_must_be_something_left_to_do(tmp_path, t_end):
-    path = stream(tmp_path / "run.nc", t_end=2.0)
+def test_there_must_be_something_left_to_do(short, t_end):
     with pytest.raises(cy.InputError, match="later than the time reached"):
-        cy.resume_file(path, t_end)
+        cy.resume_file(short, t_end)
 
 
 def test_the_cost_of_a_checkpoint_does_not_grow(tmp_path):
@@ -310,6 +333,6 @@ def test_the_cost_of_a_checkpoint_does_not_grow(tmp_path):
         writer(run)
         sizes.append(max(parts.folder_of(tmp_path / "run.nc").glob("*.nc")).stat().st_size)
 
-    cy.simulate(PARAMS, GRID, STATE, 60.0, 2.0, checkpoint=spy, checkpoint_seconds=0.0)
+    cy.simulate(PARAMS, GRID, STATE, 16.0, 0.5, checkpoint=spy, checkpoint_seconds=0.0)
     assert len(sizes) > 30
     assert max(sizes[-10:]) <= 1.1 * max(sizes[2:12])

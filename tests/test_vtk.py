@@ -55,3 +55,9 @@ def test_a_folder_in_use_is_left_alone(data, tmp_path):
     export_vtk(data, tmp_path / "run", force=True)
     with pytest.raises(cy.InputError, match="folder"):
         export_vtk(data, tmp_path / "no" / "run")
+
+
+def test_a_part_of_a_cell_is_not_closed_to_a_whole_one(data, tmp_path):
+    with pytest.raises(cy.InputError, match=r"z in the dataset .* the whole cell"):
+        export_vtk(data.isel(z=slice(0, 4)), tmp_path / "part")
+    assert list(tmp_path.iterdir()) == []

@@ -164,7 +164,7 @@ def _differences(data: dict) -> str:
             ratio = guess[1] / seconds(item["best"]["cyclosis"])
             out += f"; order {guess[0]:.1f}, hence about {guess[1]:.0e} s, {ratio:.0e} times ours"
         else:
-            out += "; too far off to say what it would take"
+            out += "; too inaccurate to extrapolate"
         out += ".\n"
     return out
 
@@ -202,7 +202,7 @@ def _behind(data: dict) -> str:
     out = f"**Ours is behind** {'; '.join(ahead)}.\n" if ahead else "No code was faster than ours.\n"
     out += f"**About level**: {'; '.join(level)}.\n" if level else ""
     if sooner:
-        out += f"**A first run, which has to compile, is over sooner with** {'; '.join(sooner)}.\n"
+        out += f"**A first run, which has to compile, takes less time with** {'; '.join(sooner)}.\n"
     return out
 
 

@@ -17,12 +17,16 @@ from importlib import import_module
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
+from .model import forks as _forks  # noqa: F401  (to notice every fork from now on)
 from .version import __version__ as __version__
 
 if TYPE_CHECKING:
     from . import ensemble as ensemble
+    from . import kinetic as kinetic
+    from . import models as models
     from . import stability as stability
     from . import traced as traced
+    from . import vacuole as vacuole
     from .analysis import diagnostics as diagnostics
     from .analysis import zones as zones
     from .analysis.diagnostics import diagnose as diagnose
@@ -58,9 +62,9 @@ if TYPE_CHECKING:
     from .model.scales import Scales as Scales
     from .model.system import flow as flow
     from .model.system import rate_of_change as rate_of_change
-    from .sweep.collect import open_sweep as open_sweep
     from .sweep.execute import run_sweep as run_sweep
-    from .sweep.plan import Sweep as Sweep
+    from .sweep.plan.sweep import Sweep as Sweep
+    from .sweep.store.read import open_sweep as open_sweep
 
 _HOME = {
     "CylinderGrid": "model.grid",
@@ -87,7 +91,7 @@ _HOME = {
     "load": "dataset",
     "noise": "dynamics.protocol",
     "open_dataset": "dataset",
-    "open_sweep": "sweep.collect",
+    "open_sweep": "sweep.store.read",
     "rate_of_change": "model.system",
     "regime": "analysis.regimes",
     "resume": "dynamics.simulate",
@@ -102,9 +106,12 @@ _MODULES = {
     "diagnostics": "analysis.diagnostics",
     "ensemble": "ensemble",
     "initial": "model.initial",
+    "kinetic": "kinetic",
+    "models": "models",
     "regions": "model.regions",
     "stability": "stability",
     "traced": "traced",
+    "vacuole": "vacuole",
     "zones": "analysis.zones",
 }
 
@@ -112,7 +119,7 @@ __all__ = ["__version__", *sorted(_HOME), *sorted(_MODULES)]
 
 
 _LOADING = RLock()
-"""Held by the thread that loads a name: two at once could see each other's half-made modules."""
+"""Held by the thread that loads a name: two at once could see each other's partly loaded modules."""
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,7 @@
-"""The few functions that are meant to be traced by JAX (jit, grad, vmap).
+"""The few functions that JAX may trace (jit, grad, vmap).
 
 They take and return JAX arrays, and refuse float64 while JAX's x64 mode is off. Everything else in
-the package takes and returns NumPy arrays and manages precision itself.
+the package takes and returns NumPy arrays, manages precision itself, and refuses traced values.
 """
 
 from __future__ import annotations
@@ -12,22 +12,28 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from .model.errors import InputError
+from .model.carried import traced
+from .model.definitions import definition
+from .model.doors import traced_door
+from .model.errors import InputError, number
 from .model.filaments import TermLike
 from .model.grid import CylinderGrid
 from .model.parameters import Parameters
 from .model.precision import require_double
-from .model.spectral import unpack
-from .model.system import System, system
+from .model.spectral import pack, unpack
+from .model.system import System
+from .model.system import system as system_of
 
 
+@traced_door
 def flow(
     params: Parameters, grid: CylinderGrid, P: Any, *, precision: str = "float64", **values: Any
 ) -> jax.Array:
     """Return the flow u of a state P, both (2, n_theta, n_z), dimensionless.
 
-    `values` override parameters by numbers that JAX traces, for example `alpha_u=x` inside `jax.grad`.
-    Raises `InputError` in float64 with x64 off, and for unknown parameters.
+    `values` override parameters by values that JAX traces, for example `alpha_u=x` inside `jax.grad`: one
+    number each, or a field (n_theta, n_z) where `Parameters` takes one. Raises `InputError` in float64 with
+    x64 off, for unknown parameters, and for values that do not match the grid.
 
     Example:
         >>> import jax
@@ -39,10 +45,11 @@ def flow(
         >>> bool(jax.grad(power)(0.05) < 0)  # the more viscous, the slower
         True
     """
-    cell, spectrum = _prepared(params, grid, P, None, precision, values)
-    return unpack(jnp.fft.ifft2(cell.at(spectrum).flow_spectrum))
+    system, spectrum = _prepared(params, grid, P, None, precision, values)
+    return unpack(jnp.fft.ifft2(system.at(spectrum).flow_spectrum))
 
 
+@traced_door
 def rate_of_change(
     params: Parameters,
     grid: CylinderGrid,
@@ -51,9 +58,12 @@ def rate_of_change(
     *,
     terms: Iterable[TermLike] | None = None,
     precision: str = "float64",
+    closure: str = "paper",
     **values: Any,
 ) -> jax.Array:
     """Return dP/dt of a state P, both (2, n_theta, n_z), dimensionless; `values` and errors as in `flow`.
+
+    `closure` is that of `cyclosis.models.polar_model`.
 
     Example:
         >>> import jax
@@ -65,8 +75,9 @@ def rate_of_change(
         >>> round(float(jax.grad(rate)(1.0)), 4)
         0.099
     """
-    cell, spectrum = _prepared(params, grid, P, terms, precision, values)
-    return unpack(jnp.fft.ifft2(cell.rate(cell.at(spectrum, time))))
+    now = time if traced(time) else number("time", time, -1e12, 1e12, "the default is 0")
+    system, spectrum = _prepared(params, grid, P, terms, precision, values, closure)
+    return unpack(jnp.fft.ifft2(system.rate(system.at(spectrum, now))))
 
 
 def _prepared(
@@ -76,13 +87,45 @@ def _prepared(
     terms: Iterable[TermLike] | None,
     precision: str,
     values: dict[str, Any],
+    closure: str = "paper",
 ) -> tuple[System, jax.Array]:
     require_double(precision)
     free = [name for name, value in params.items() if not isinstance(value, bool)]
     for name in values:
         if name not in free:
             raise InputError("parameter", name, "one of " + ", ".join(free), "check the spelling")
-    if jnp.shape(P) != (2, *grid.shape):
-        raise InputError("P", jnp.shape(P), f"of shape {(2, *grid.shape)}", "make state and grid match")
-    cell = system(params, grid, terms, precision=precision, traced=values)
-    return cell, jnp.fft.fft2(P[0] + 1j * P[1]).astype(cell.space.packed) * cell.space.keep
+    overridden = {
+        name: _traced_parameter(name, value, grid) for name, value in values.items() if traced(value)
+    }
+    params = params.replace(**{name: value for name, value in values.items() if name not in overridden})
+    system = system_of(params, grid, terms, precision=precision, traced=overridden, closure=closure)
+    p = pack(_state(P, grid) if traced(P) else grid.check_state(P, "P"))
+    return system, jnp.fft.fft2(p).astype(system.space.packed) * system.space.keep
+
+
+def _traced_parameter(name: str, value: Any, grid: CylinderGrid) -> jax.Array:
+    """Return a traced parameter as one array, or raise `InputError` for a shape that no parameter has."""
+    array = _stacked(name, value)
+    field = definition("parameters", name).field
+    if array.shape != () and not (field and array.shape == grid.shape):
+        rule = f"one number, or a field of shape {grid.shape}" if field else "one number"
+        raise InputError(name, array.shape, f"of the shape of {rule}", "map over several by jax.vmap")
+    return array
+
+
+def _state(P: Any, grid: CylinderGrid) -> jax.Array:
+    array = _stacked("P", P)
+    if array.shape != (2, *grid.shape):
+        raise InputError("P", array.shape, f"of shape {(2, *grid.shape)}", "make state and grid match")
+    return array
+
+
+def _stacked(name: str, value: Any) -> jax.Array:
+    """Return a traced value, or a list that contains traced values, as one array of real numbers."""
+    try:
+        array = jnp.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(name, value, "one array of real numbers", "stack its parts") from error
+    if not jnp.issubdtype(array.dtype, jnp.floating) and not jnp.issubdtype(array.dtype, jnp.integer):
+        raise InputError(name, str(array.dtype), "of real numbers", "take its real part")
+    return array

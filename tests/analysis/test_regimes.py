@@ -28,6 +28,14 @@ def test_states_are_named_for_what_they_look_like(name, state):
     assert str(found).startswith(name)
 
 
+@pytest.mark.parametrize("order", [0.049999, 0.05 - 1e-12, 0.0498, 0.03])
+def test_an_order_below_the_bound_is_told_as_one(order):
+    found = cy.regime(PARAMS, GRID, cy.initial.unidirectional(GRID, order))
+    told, bound = map(float, found.reason.removeprefix("order ").split(" is below "))
+    assert told < bound == cy.zones.DISORDER
+    assert told == pytest.approx(order, rel=0.02)
+
+
 def test_a_rigidly_moving_state_is_travelling():
     """A term -c·∇P makes any pattern drift at c; the regime recovers c."""
     import jax.numpy as jnp

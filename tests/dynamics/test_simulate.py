@@ -132,7 +132,9 @@ def test_an_interrupted_run_keeps_what_it_has():
         if snapshot.t >= 2:
             raise KeyboardInterrupt
 
-    result = run(t_end=100.0, progress=stop)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        run(t_end=100.0, progress=stop)
+    result = stopped.value.run
     assert result.status == "interrupted"
     assert 2 <= result.t_final < 100
     assert result.times[-1] <= result.t_final
@@ -212,7 +214,7 @@ def test_a_run_that_stops_where_it_has_just_saved_saves_nothing_twice():
     assert singular.status is cy.Status.DIVERGED
     steady = run(
         state=cy.initial.unidirectional(GRID, 0.5),
-        t_end=5.0,
+        t_end=25.0,
         steady_rate=1.0,
         protocol=[cy.change(at=1.0, epsilon=0.2)],
     )

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.ensemble.attractors import attractor
-from cyclosis.ensemble.certainty import Certainty, Verdict, _passed_saddle
-from cyclosis.ensemble.kinds import kind, standard_state
-from cyclosis.ensemble.looks import Look
-from cyclosis.stability.reduced import reduced
-from cyclosis.stability.relax import relax
-from cyclosis.stability.steady import rms, steady
+from cyclosis.analysis.appearance import Look
+from cyclosis.contract.members import CertainEnd
+from cyclosis.ensemble.attractors import attractor, kind, standard_state
+from cyclosis.ensemble.certainty import Certainty, _passed_saddle
+from cyclosis.models import polar
+from cyclosis.stability.profiles.reduced import reduced
+from cyclosis.stability.profiles.steady import relax, rms, steady
 
 GRID = cy.CylinderGrid(48, 48, 5.0)
 
@@ -20,7 +20,7 @@ def cyclosis(**values):
     problem = reduced(params, GRID)
     x = GRID.theta
     y = relax(problem, np.concatenate([0 * x, 0.85 * np.tanh(3 * np.sin(x))]), 100.0).y
-    return attractor(params, GRID, problem, steady(problem, y))
+    return attractor(polar.problem(params, GRID), problem, steady(problem, y))
 
 
 def test_alignment_finds_the_shift():
@@ -68,7 +68,7 @@ def test_stripes_of_unequal_widths_beyond_the_saddle_are_not_captured():
 
 def test_a_remnant_too_large_for_a_slow_decay_is_refused():
     known = cyclosis(alpha_p=1.0, alpha_u=0.5)
-    decay = -known.spectrum.growth
+    decay = -known.rates.growth
     assert known.captures(known.steady.y, 0.9 * np.sqrt(0.1 * decay))
     assert not known.captures(known.steady.y, 1.1 * np.sqrt(0.1 * decay))
 
@@ -81,11 +81,11 @@ def test_pinned_stripes_are_not_confirmed_by_the_finer_grid():
     for shift in (0.0, np.pi / 48):
         state = steady(problem, relax(problem, problem.shifted(unequal, shift), 300.0).y)
         assert state is not None
-        assert not attractor(params, GRID, problem, state).stable
+        assert not attractor(polar.problem(params, GRID), problem, state).stable
 
 
 def test_answers_do_not_depend_on_what_was_asked_before():
-    from cyclosis.ensemble.lanes import Signs
+    from cyclosis.analysis.signs import Signs
 
     def signs(y):
         problem = reduced(cy.Parameters(alpha_p=0.3), GRID)
@@ -107,10 +107,6 @@ def test_answers_do_not_depend_on_what_was_asked_before():
             0,
             mean,
             along,
-            0.0,
-            False,
-            False,
-            1.0,
         )
 
     x = GRID.theta
@@ -122,7 +118,7 @@ def test_answers_do_not_depend_on_what_was_asked_before():
     busy = Certainty(cy.Parameters(alpha_p=0.3), GRID)
     again = [busy.judge(signs(y), True) for y in (uniform, *stripes[::-1])][::-1]
     for a, b in zip(fresh, again, strict=True):
-        assert isinstance(a, Verdict)
+        assert isinstance(a, CertainEnd)
         assert a.regime == b.regime
         assert np.array_equal(a.state, b.state)
         assert a.eigenvalue == b.eigenvalue

@@ -8,11 +8,11 @@ import pytest
 import cyclosis as cy
 from cyclosis.ensemble import EnsembleSettings, Member, follow
 
-GRID = cy.CylinderGrid(32, 32, 5.0)
+GRID = cy.CylinderGrid(32, 24, 5.0)
 PATCH = cy.regions.disc(theta=3.1, z=2.5, radius=1.0)
 PROTOCOL = cy.Protocol(
     cy.noise(at=10.0, size=0.1),
-    cy.change(at=12.0, over=3.0, alpha_p=0.5),
+    cy.change(at=12.0, over=3.0, alpha_p=0.5, mu=0.1, d_s=0.06),
     cy.change(at=13.0, where=PATCH, kappa=0.0),
     cy.wash_out(at=20.0),
 )
@@ -50,10 +50,9 @@ def test_an_outcome_does_not_depend_on_company_order_or_lanes():
     members = [member(seed, alpha_u=0.3 + 0.1 * seed) for seed in range(3)]
     plain = Member(members[0].params, GRID, members[0].state)
     together = follow([*members, plain], HOW)
-    for lanes in (2, 5):
-        how = EnsembleSettings(t_end=30.0, finish="t_end", lanes=lanes)
-        backward = follow([plain, *members[::-1]], how)[::-1]
-        assert all(same(a, b) for a, b in zip(together[:3], backward[:3], strict=True))
+    how = EnsembleSettings(t_end=30.0, finish="t_end", lanes=3)
+    backward = follow([plain, *members[::-1]], how)[::-1]
+    assert all(same(a, b) for a, b in zip(together[:3], backward[:3], strict=True))
     assert all(same(a, follow([one], HOW)[0]) for a, one in zip(together, members, strict=False))
     assert same(together[3], follow([plain], HOW)[0]), "a neighbour with a protocol changes nothing"
 

@@ -5,7 +5,7 @@ import pytest
 import xarray
 
 from cyclosis.experiments import cell_shape as subject
-from cyclosis.experiments import zone_course
+from cyclosis.experiments import cell_shape as zone_course
 from cyclosis.model.grid import Array, CylinderGrid
 
 

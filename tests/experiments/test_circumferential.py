@@ -5,8 +5,7 @@ import pytest
 import xarray
 
 from cyclosis.analysis.regimes import REGIMES
-from cyclosis.experiments.circumferential import EXPERIMENT, onset, verdict
-from cyclosis.experiments.cues import around, tilt_growth, where
+from cyclosis.experiments.circumferential import EXPERIMENT, around, onset, tilt_growth, verdict, where
 from cyclosis.model import initial
 from cyclosis.model.grid import CylinderGrid
 

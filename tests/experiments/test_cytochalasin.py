@@ -5,8 +5,17 @@ import pytest
 import xarray
 
 import cyclosis as cy
-from cyclosis.experiments.cytochalasin import EXPERIMENT, WAYS, misplaced, verdict
-from cyclosis.experiments.persistence import branch, first_wave, fold, least_order, left_over
+from cyclosis.experiments.cytochalasin import (
+    EXPERIMENT,
+    WAYS,
+    branch,
+    first_wave,
+    fold,
+    least_order,
+    left_over,
+    misplaced,
+    verdict,
+)
 from cyclosis.model import initial
 from cyclosis.model.grid import CylinderGrid
 

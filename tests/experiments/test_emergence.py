@@ -3,9 +3,8 @@ import pytest
 import xarray
 
 import cyclosis as cy
-from cyclosis.experiments import streamlets
-from cyclosis.experiments.emergence import draw, moments, verdict
-from cyclosis.experiments.streamlets import COURSES, MOST, TIMES
+from cyclosis.experiments import emergence as streamlets
+from cyclosis.experiments.emergence import COURSES, MOST, TIMES, draw, moments, verdict
 
 GRID = cy.CylinderGrid(32, 32, 5.0)
 

@@ -5,7 +5,7 @@ import pytest
 import xarray
 
 from cyclosis.experiments import force_law as subject
-from cyclosis.experiments import unbundled
+from cyclosis.experiments import force_law as unbundled
 from cyclosis.model.grid import CylinderGrid
 
 

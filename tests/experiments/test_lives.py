@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cyclosis.experiments.lives import by_law, ending, timed
+from cyclosis.experiments.myosin_inhibition import by_law, ending, timed
 
 
 def test_ending_is_where_the_least_order_rises_through_zero():

@@ -5,9 +5,8 @@ import pytest
 import xarray
 
 from cyclosis.analysis.regimes import REGIMES
-from cyclosis.experiments.lives import by_law
 from cyclosis.experiments.myosin_inhibition import EXPERIMENT as chosen
-from cyclosis.experiments.myosin_inhibition import outcomes, verdict, widest
+from cyclosis.experiments.myosin_inhibition import by_law, outcomes, verdict, widest
 from cyclosis.model import initial
 from cyclosis.model.grid import CylinderGrid
 

@@ -17,7 +17,8 @@ def test_every_experiment_says_what_it_is(name):
     found = experiment(name)
     assert found.name == name
     assert found.seeds >= found.quick_seeds >= 1
-    for text in (found.claim, found.source, found.method):
+    assert len(found.headline) <= 80, "it must fit a table"
+    for text in (found.headline, found.claim, found.source, found.method):
         assert len(text) >= len("Results")
         assert "\n" not in text
 
@@ -27,6 +28,7 @@ def done(tmp_path_factory):
     return perform("recovery", tmp_path_factory.mktemp("bench"), seeds=2, quick=True, workers=1)
 
 
+@pytest.mark.slow
 def test_it_leaves_a_dataset_a_figure_and_a_verdict(done):
     assert done.verdict.outcome in OUTCOMES
     assert done.figure.stat().st_size > 20_000

@@ -3,9 +3,8 @@ import pytest
 import xarray
 
 import cyclosis as cy
-from cyclosis.experiments import bends
-from cyclosis.experiments.bends import LEVELS, TIMES
-from cyclosis.experiments.shear_straightening import draw, gains, prepared_gains, verdict
+from cyclosis.experiments import shear_straightening as bends
+from cyclosis.experiments.shear_straightening import LEVELS, TIMES, draw, gains, prepared_gains, verdict
 
 GRID = cy.CylinderGrid(64, 32, 5.0)
 EPSILONS = [0.0, 0.1, 0.4]

@@ -4,8 +4,18 @@ import pytest
 import cyclosis as cy
 from cyclosis.experiments import timescales
 from cyclosis.experiments.lab import Lab
-from cyclosis.experiments.motor_times import READINGS, estimate, heat_s, restriction, rotational_drag
-from cyclosis.experiments.timescales import RANGES, draw, sampled, times, verdict
+from cyclosis.experiments.timescales import (
+    RANGES,
+    READINGS,
+    draw,
+    estimate,
+    heat_s,
+    restriction,
+    rotational_drag,
+    sampled,
+    times,
+    verdict,
+)
 
 
 @pytest.fixture

@@ -3,8 +3,8 @@ import pytest
 import xarray
 
 from cyclosis.analysis.zones import indifferent_zones
-from cyclosis.experiments import helices
 from cyclosis.experiments import twist as done
+from cyclosis.experiments import twist as helices
 from cyclosis.model.grid import CylinderGrid
 
 

@@ -5,8 +5,15 @@ import pytest
 import xarray
 
 from cyclosis.analysis.regimes import REGIMES
-from cyclosis.experiments.leaning import beginning, circumferential_end, turned, upright
-from cyclosis.experiments.weak_repulsion import EXPERIMENT, kinds, verdict
+from cyclosis.experiments.weak_repulsion import (
+    EXPERIMENT,
+    beginning,
+    circumferential_end,
+    kinds,
+    turned,
+    upright,
+    verdict,
+)
 from cyclosis.model import initial
 from cyclosis.model.grid import CylinderGrid
 from cyclosis.model.parameters import Parameters

@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 import xarray
 
-from cyclosis.experiments.wound import EXPERIMENT, same, verdict
-from cyclosis.experiments.wounds import MEASURES, SINCE, healed_after, place, striped
+from cyclosis.experiments.wound import (
+    EXPERIMENT,
+    MEASURES,
+    SINCE,
+    healed_after,
+    place,
+    same,
+    striped,
+    verdict,
+)
 from cyclosis.model import initial
 from cyclosis.model.grid import CylinderGrid
 

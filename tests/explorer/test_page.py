@@ -1,13 +1,7 @@
 """The page in a real browser: what a visitor does, from the first look to the exported file."""
 
 import io
-import os
-import shutil
-import socket
-import subprocess
-import sys
 import time
-import urllib.request
 
 import av
 import numpy as np
@@ -15,63 +9,22 @@ import pytest
 from PIL import Image
 
 import cyclosis
-from cyclosis.explorer.server import PAGE
+from measure.pages import opened
 
-pytestmark = pytest.mark.slow
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-# The browser draws in software and asks nothing of any network.
-ARGUMENTS = [
-    *("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic"),
-    *("--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
 SIZES = {"desktop": (1440, 900), "phone": (390, 844)}
 
 
 @pytest.fixture(scope="module")
-def address():
-    if not (PAGE / "index.html").exists():
-        pytest.skip("the explorer's page is not built: install Node.js 20.19 or newer and run `make page`")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    command = [sys.executable, "-m", "cyclosis", "explore", "--no-browser", "--port", str(port)]
-    server = subprocess.Popen(command, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
-    found = f"http://127.0.0.1:{port}/"
-    for _ in range(200):
-        try:
-            urllib.request.urlopen(found, timeout=5).close()
-            break
-        except OSError:
-            time.sleep(0.2)
-    yield found
-    server.terminate()
-    server.wait(10)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if CHROMIUM is None:
-        pytest.skip("there is no Chromium on this machine: install it to test the page")
-    with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
-        yield started
-        started.close()
+def address(server):
+    return f"http://127.0.0.1:{server[0]}/"
 
 
 @pytest.fixture(params=SIZES, ids=SIZES)
 def page(request, browser, address):
-    width, height = SIZES[request.param]
-    context = browser.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
-    page = context.new_page()
-    troubles = []
-    page.on("console", lambda said: troubles.append(said.text) if said.type == "error" else None)
-    page.on("pageerror", lambda error: troubles.append(str(error)))
-    page.goto(address)
-    wait(page, "true")
-    yield page
-    context.close()
-    assert not troubles
+    with opened(browser, address, SIZES[request.param]) as page:
+        wait(page, "true")
+        yield page
 
 
 def latest(page):
@@ -146,7 +99,8 @@ def test_a_wound_heals_and_all_that_was_done_is_in_the_files(page, tmp_path):
     assert lengths[-1][here] > 0.5
     page.wait_for_timeout(200)
     with av.open(export(page, "movie", tmp_path / "movie.mp4")) as movie:
-        assert sum(1 for _ in movie.decode(video=0)) > 10
+        assert sum(1 for _ in movie.decode(video=0)) == 144
+        assert movie.duration / av.time_base == pytest.approx(12.0)
     with Image.open(export(page, "png", tmp_path / "cell.png")) as picture:
         assert np.asarray(picture.convert("RGB")).std() > 10
     assert "depolymerise" in export(page, "toml", tmp_path / "cell.toml").read_text()
@@ -233,3 +187,85 @@ def test_with_keys_alone_a_cell_is_wounded_and_the_tour_walked(page):
         page.locator("#tour-next").press("Enter")
     assert len(set(seen)) == 6
     assert page.locator("#tour-card").is_hidden()
+
+
+def picture(page, where):
+    """What is seen of an element, as (rows, columns, rgb)."""
+    with Image.open(io.BytesIO(page.locator(where).screenshot())) as shot:
+        return np.asarray(shot.convert("RGB")).astype(int)
+
+
+def begin(page, preset):
+    page.select_option("#preset", preset)
+    wait(page, f"cell.preset === '{preset}' && cell.t === 0")
+    page.wait_for_timeout(1500)  # software draws the new cell, passing over from the old one
+
+
+def test_zones_are_drawn_between_steady_streams_and_not_in_disorder(page):
+    """On the line between two straight streams |P| is zero: what lies around it says that it is one."""
+    shares = []
+    for preset in ("wound", "disordered"):
+        begin(page, preset)
+        seen = picture(page, "#map").min(axis=-1) > 225
+        # The map lies between margins of 30 and 12; the two streams of the wound's cell part at its middle.
+        middle = 30 + (seen.shape[1] - 42) // 2
+        rows = seen[seen.shape[0] * 2 // 5 : seen.shape[0] * 3 // 5, middle - 12 : middle + 13]
+        shares.append(rows.any(axis=1).mean())
+    assert shares[0] > 0.95
+    assert shares[1] == 0
+
+
+def test_numbers_beside_the_traces_are_whole_however_small(page):
+    """In disorder speed and power are of the order of 1e-5 and 1e-10."""
+    inked = """() => [...document.querySelectorAll('#charts .plot canvas')].map(canvas => {
+        const pen = canvas.getContext('2d');
+        const opaque = (value, k) => k % 4 === 3 && value > 0;
+        const ink = (x, wide) => pen.getImageData(x, 0, wide, canvas.height).data.filter(opaque);
+        return [ink(0, 1).length, ink(0, 60).length];
+    })"""
+    begin(page, "disordered")
+    page.locator("#charts").scroll_into_view_if_needed()
+    found = page.evaluate(inked)
+    assert len(found) == 5
+    for edge, labels in found:
+        assert edge == 0
+        assert labels > 100
+
+
+def test_every_explanation_opens_and_closes_by_tap_and_key(page):
+    unfold(page)
+    buttons = page.locator("button.explain")
+    assert page.locator(".parameter button.explain").count() == page.locator(".parameter").count()
+    assert page.locator("#charts button.explain").count() == page.locator("#charts .chart").count()
+    width, height = (page.viewport_size[side] for side in ("width", "height"))
+    for k in range(buttons.count()):
+        button, box = buttons.nth(k), page.locator(".explained").nth(k)
+        button.scroll_into_view_if_needed()
+        if k % 2:
+            button.click()
+        else:
+            button.press("Enter")
+        box.wait_for(state="visible")
+        page.wait_for_timeout(100)  # it is put beside its button once it stands
+        assert button.get_attribute("aria-expanded") == "true"
+        assert len(box.inner_text()) > 30
+        place = box.bounding_box()
+        assert place["x"] >= 0
+        assert place["x"] + place["width"] <= width
+        assert place["y"] >= 0
+        assert place["y"] + place["height"] <= height
+        page.keyboard.press("Escape")
+        box.wait_for(state="hidden")
+
+
+def test_what_the_cell_does_is_said_without_numbers_that_need_a_manual(page):
+    begin(page, "cyclosis")
+    page.locator("#speed").press("End")
+    play(page)
+    wait(page, "regime.includes('R/U')", 120)
+    play(page, on=False)
+    said = page.inner_text("#regime")
+    assert "halve in about" in said or "double in about" in said
+    assert not any(word in said for word in ("relaxing", "undecided", "widths", " at -", "zone"))
+    page.locator("#now button.explain").press("Enter")
+    assert "U/R" in page.locator("#now .explained").inner_text()

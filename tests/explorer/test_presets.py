@@ -75,7 +75,9 @@ def test_names_are_unique_and_groups_in_order():
 
 
 def test_every_experiment_has_its_cell():
-    assert tuple(item.name for item in PRESETS if item.group == "experiments") == NAMES
+    inside = ("mixing", "streaming-transport")  # of the vacuole, which is not shown
+    shown = tuple(name for name in NAMES if name not in inside)
+    assert tuple(item.name for item in PRESETS if item.group == "experiments") == shown
 
 
 @EACH

@@ -8,7 +8,7 @@ from fastapi.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
 from cyclosis.explorer import setup
-from cyclosis.explorer.server import Limits, application
+from cyclosis.explorer.server import ServerLimits, application
 
 HOST = "http://localhost:8765"
 SETUP = {"grid": {"n_theta": 16, "n_z": 16}, "parameters": {"d_s": 0.2}}
@@ -16,7 +16,7 @@ SETUP = {"grid": {"n_theta": 16, "n_z": 16}, "parameters": {"d_s": 0.2}}
 
 @pytest.fixture
 def client():
-    with TestClient(application(Limits(sessions=2, idle_seconds=30.0)), base_url=HOST) as client:
+    with TestClient(application(ServerLimits(sessions=2, idle_seconds=30.0)), base_url=HOST) as client:
         yield client
 
 
@@ -38,6 +38,8 @@ def said(socket, kind):
             words = json.loads(message["text"])
             if words["type"] == kind:
                 return words
+            if words["type"] == "alive":
+                ask(socket, do="alive")
         else:
             ask(socket, do="seen", frame=header(message["bytes"])["frame"])
     raise AssertionError(f"nothing of type {kind} was said")
@@ -117,6 +119,7 @@ def test_sessions_are_bounded_and_free_again_after_an_abrupt_close(client):
             said(one, "cell")
             said(two, "cell")
             with connect(client) as three:
+                ask(three, do="begin", setup=SETUP)
                 assert "2 sessions" in said(three, "ended")["sentence"]
 
 
@@ -141,6 +144,7 @@ def test_files_are_made_from_a_link(client, tmp_path):
         assert "must be" in refused.json()["sentence"]
 
 
+@pytest.mark.slow
 def test_curves_of_theory_come_while_the_cell_goes_on(client):
     with connect(client) as socket:
         ask(socket, do="begin", setup=SETUP)
@@ -164,4 +168,4 @@ def test_malformed_origins_are_refused_and_no_frame_is_no_file(client):
         pass
     answer = client.get("/api/export/run.nc", params={"cell": setup.from_tables(SETUP).link()})
     assert answer.status_code == 400
-    assert "let the cell go on" in answer.json()["sentence"]
+    assert "let the cell run" in answer.json()["sentence"]

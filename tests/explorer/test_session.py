@@ -40,7 +40,7 @@ def scripted():
 
 
 def test_the_exported_configuration_gives_the_same_bits(scripted):
-    tables = tomllib.loads(scripted.told().toml())
+    tables = tomllib.loads(scripted.setup_now().toml())
     steps = tables.pop("protocol")
     ready = config.setup(config.check(tables), steps)
     run = cy.simulate(
@@ -51,15 +51,15 @@ def test_the_exported_configuration_gives_the_same_bits(scripted):
 
 
 def test_a_link_round_trip_gives_the_same_hash(scripted):
-    link = scripted.told().link()
+    link = scripted.setup_now().link()
     other = Session(setup.from_link(link))
     forward(other, 4.0)
     assert other.digest() == scripted.digest()
-    assert other.told().link() == link
+    assert other.setup_now().link() == link
 
 
 def test_changes_at_one_time_are_one_step(scripted):
-    assert scripted.told().steps[0] == {"at": 1.0, "action": "change", "alpha_p": 0.4, "mu": 0.1}
+    assert scripted.setup_now().steps[0] == {"at": 1.0, "action": "change", "alpha_p": 0.4, "mu": 0.1}
 
 
 @pytest.mark.parametrize(
@@ -104,6 +104,7 @@ def test_a_malformed_message_is_refused_in_a_sentence(text):
         understood(text)
 
 
+@pytest.mark.slow
 def test_the_page_is_told_of_every_setting():
     told = about.about()
     assert len(told["diagram"]["share"]) == len(told["diagram"]["alpha_p"]) == 20
@@ -125,3 +126,34 @@ def test_a_cell_needs_another_kind_of_program_only_when_its_protocol_comes_to_it
     assert session.kinds() == {session.kind}
     soon = [later[0] | {"at": 0.1}]
     assert len(Session(setup.from_tables({"grid": {"n_theta": 16, "n_z": 16}}, soon)).kinds()) == 2
+
+
+def told(session):
+    """What a picture says of the regime."""
+    data = session.picture()
+    return json.loads(data[8 : 8 + int.from_bytes(data[:4], "little")])["regime"]
+
+
+def test_a_picture_has_the_numbers_behind_its_words(scripted):
+    P = scripted.live.state
+    found, numbers = cy.regime(scripted.live.params_now, scripted.live.grid, P), told(scripted)
+    crossed = cy.zones.crossings(P)
+    assert numbers["name"] == found.name
+    assert numbers["order"] == found.order
+    assert numbers["around"] == pytest.approx(np.mean(P[0] ** 2) / np.mean(np.sum(P**2, axis=0)))
+    assert numbers["boundaries"] == [crossed.min(), crossed.max()]
+    assert numbers["mean"] == found.mean_P.tolist()
+    assert numbers["drift"] == found.drift.tolist()
+
+
+def test_the_pace_is_the_rate_at_which_changes_grow():
+    """Uniform order relaxes at twice its distance to the threshold: P' = (a - α_p P²) P."""
+    start = {"initial": {"kind": "unidirectional", "magnitude": 0.9}, "run": {"save_every": 0.25}}
+    session = Session(setup.from_tables(SMALL | start | {"parameters": {"alpha_u": 0.0, "kappa": 0.0}}))
+    assert told(session)["pace"] is None
+    forward(session, 6.0)
+    assert told(session)["pace"] == pytest.approx(-2 * (1.0 - 0.025), rel=0.01)
+    assert f"relaxing at {told(session)['pace']:.3f}" in told(session)["reason"]
+    forward(session, 20.0)
+    assert told(session)["pace"] == "steady"
+    assert told(session)["reason"].endswith(", steady")

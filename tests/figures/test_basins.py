@@ -58,13 +58,13 @@ def test_states_are_merged_over_points(small):
 
 def test_lines_of_the_points_and_of_all(small):
     found = basins.members(beside(small))
-    lines = basins.own_lines(found)
+    lines = basins.line_by_point(found)
     assert lines[0].threshold == pytest.approx(2.0)
     assert lines[0].correct == 1.0
     # Between 1 and 3 only the member at 4 is wrong, between 4 and 8 only that at 3: the wider gap is taken.
     assert lines[1].threshold == pytest.approx(np.sqrt(3))
     assert lines[1].correct == 0.8
-    assert basins.foretold(lines, found) == pytest.approx(7 / 8)
+    assert basins.predicted(lines, found) == pytest.approx(7 / 8)
     together = separation(found.ratio, found.cyclosis)
     assert together.threshold == pytest.approx(np.sqrt(3))
     assert together.correct == 7 / 8
@@ -116,12 +116,12 @@ def test_a_seed_is_one_trial_over_all_points_and_missing_ones_are_none():
 def test_the_figure_states_its_numbers(figure5):
     figure = basins.basins(figure5)
     found = basins.members(beside(figure5))
-    lines = basins.own_lines(found)
+    lines = basins.line_by_point(found)
     one = separation(found.ratio, found.cyclosis)
     assert figure.get_size_inches()[0] * 25.4 == pytest.approx(style.WIDTH)
     assert len(figure.axes) == 4  # and the key of the map
     sentence = figure.texts[0].get_text()
-    for number in (one.correct, one.guess, basins.foretold(lines, found)):
+    for number in (one.correct, one.guess, basins.predicted(lines, found)):
         assert f"{100 * number:.0f} %" in sentence
     assert f"{len(lines)} points in C/U" in sentence
     scatter, ratios, own = figure.axes[:3]

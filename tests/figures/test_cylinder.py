@@ -90,6 +90,25 @@ def test_disorder_has_no_zones():
     assert ribbons.zone_ribbons(GRID, cy.initial.disordered(GRID, seed=1), (0.0, 2 * np.pi)) == []
 
 
+def test_zones_of_steady_cyclosis_have_their_whole_width():
+    P_z = cy.stability.cyclosis(cy.Parameters()).at(GRID.theta, zone=1.03)[0]
+    found = ribbons.zone_ribbons(GRID, np.stack([0 * THETA, P_z[:, None] + 0 * Z]), (0.0, 2 * np.pi))
+    assert {round(p[:, 0].mean(), 2) for p in found} == {1.03, round(1.03 + np.pi, 2)}
+    for polygon in found:
+        assert np.ptp(polygon[:, 0]) == pytest.approx(ribbons.ZONE_WIDTH, rel=0.01)
+        assert np.ptp(polygon[:, 1]) > GRID.length
+
+
+def test_a_zone_ends_where_there_is_no_order_around_it():
+    """Streams in the lower half of the cell only: P_z changes sign in the upper half too."""
+    P_z = np.where(Z < 2.5, 0.9, 1e-3) * np.sin(THETA - 1.0)
+    found = ribbons.zone_ribbons(GRID, np.stack([0 * THETA, P_z]), (0.0, 2 * np.pi))
+    inside = [p[(p[:, 1] > 0) & (p[:, 1] < GRID.length), 1] for p in found]
+    heights = np.concatenate(inside)
+    assert np.any((heights > 1.0) & (heights < 2.0))
+    assert not np.any((heights > 3.5) & (heights < 4.0))
+
+
 def test_a_drawn_cylinder_shows_its_near_side():
     """With theta = 0 in front the upward stripe is on the right, the downward one on the left."""
     ax = axes()

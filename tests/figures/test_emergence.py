@@ -97,6 +97,10 @@ def test_bad_datasets_are_refused(run):
         emergence(run.drop_vars("u"))
     with pytest.raises(cy.InputError, match="length"):
         emergence(run.assign_attrs(length="long"))
+    with pytest.raises(cy.InputError, match=r"z in the dataset .* the whole cell"):
+        emergence(run.isel(z=slice(0, 12)))
+    with pytest.raises(cy.InputError, match=r"z in the dataset .* the whole cell"):
+        emergence(run.assign_attrs(length=2 * run.length))
     with pytest.raises(cy.InputError, match="dataset"):
         emergence(run["P"])
 

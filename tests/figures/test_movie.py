@@ -8,7 +8,7 @@ import xarray
 from PIL import Image
 
 import cyclosis as cy
-from cyclosis.figures import clock, scene
+from cyclosis.figures import clock, encode, scene
 from cyclosis.figures.movie import movie
 from cyclosis.figures.tracers import SEPARATION, Tracers
 
@@ -34,6 +34,78 @@ def decoded(path):
         return frames, container.duration / av.time_base, stream.codec_context
 
 
+def shown(gif):
+    """Return for how many seconds each picture of an open GIF stands, as its file says."""
+    return [gif.info["duration"] / 1000 for k in range(gif.n_frames) if gif.seek(k) is None]
+
+
+def painted(path, frames, seconds):
+    """Write a movie of small pictures, all different, and return its path."""
+    with encode.Output(path, frames, seconds) as output:
+        for k in range(frames):
+            picture = np.zeros((16, 64, 3), dtype=np.uint8)
+            picture[k % 16, k // 16 % 64] = 255
+            output.add(picture)
+    return path
+
+
+LASTING = [
+    (30, 1.0),
+    (60, 2.0),
+    (144, 12.0),
+    (144, 5.0),
+    (25, 1.7),
+    (7, 10.0),
+    (2, 0.1),
+    (24, 1.001),
+    (91, 3.1415),
+    (2, 1200.0),
+    (500, 0.37),
+]
+"""Numbers of frames and seconds: usual rates, uneven ones, very slow ones, and faster than a GIF can be."""
+
+
+@pytest.mark.parametrize(("frames", "seconds"), LASTING)
+def test_an_mp4_lasts_the_seconds_asked_for(frames, seconds, tmp_path):
+    path = painted(tmp_path / "a.mp4", frames, seconds)
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        times = [frame.time for frame in container.decode(stream)]
+        lasting = container.duration / av.time_base, float(stream.duration * stream.time_base)
+    assert lasting == pytest.approx((seconds, seconds), abs=1e-3)
+    assert times == pytest.approx(np.arange(frames) * seconds / frames, abs=1e-3)
+
+
+@pytest.mark.parametrize(("frames", "seconds"), LASTING)
+def test_a_gif_lasts_the_seconds_asked_for(frames, seconds, tmp_path):
+    path = painted(tmp_path / "a.gif", frames, seconds)
+    with Image.open(path) as gif:
+        lasting = np.array(shown(gif))
+        ends = [np.asarray(gif.convert("RGB")) for k in (0, gif.n_frames - 1) if gif.seek(k) is None]
+    assert lasting.sum() == pytest.approx(seconds, abs=0.0051)
+    assert lasting.size == min(frames, round(100 * seconds) // 2)
+    assert np.ptp(lasting) <= 0.01 + 1e-9
+    assert lasting.min() >= 0.02  # browsers slow down what is faster
+    bright = [np.argwhere(picture[..., 0] > 128).tolist() for picture in ends]
+    assert bright == [[[k % 16, k // 16 % 64]] for k in (0, frames - 1)]
+    with av.open(str(path)) as container:  # another decoder says the same
+        assert container.duration / av.time_base == pytest.approx(seconds, abs=0.0051)
+
+
+def test_a_picture_that_stays_as_it_is_counts_as_well(tmp_path):
+    with encode.Output(tmp_path / "a.gif", 30, 1.0) as output:
+        for k in range(30):
+            output.add(np.full((16, 64, 3), 255 * (k // 10 % 2), dtype=np.uint8))
+    with Image.open(tmp_path / "a.gif") as gif:
+        assert sum(shown(gif)) == pytest.approx(1.0)
+
+
+def test_a_gif_of_too_few_frames_is_refused(run, tmp_path):
+    with pytest.raises(cy.InputError, match=r"frames = 2 .* at least 6 for a GIF of 3600 seconds"):
+        movie(run, [tmp_path / "a.mp4", tmp_path / "a.gif"], frames=2, seconds=3600)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_both_kinds_from_one_drawing_in_other_processes(run, tmp_path):
     seen = []
     paths = [tmp_path / "run.mp4", str(tmp_path / "run.GIF")]
@@ -53,7 +125,7 @@ def test_both_kinds_from_one_drawing_in_other_processes(run, tmp_path):
     with Image.open(paths[1]) as gif:
         assert (gif.n_frames, gif.size) == (9, (320, 180))
         assert gif.info["loop"] == 0
-        assert gif.info["duration"] == 170
+        assert shown(gif) == pytest.approx([0.16, 0.17, 0.17] * 3)  # 1.5 s together
         assert gif.convert("RGB").getpixel((2, 2)) == (255, 255, 255)
 
 
@@ -109,7 +181,7 @@ def test_lines_are_spread_over_the_whole_surface():
 def test_frames_have_the_size_asked_for(length, height):
     grid = cy.CylinderGrid(16, 16, length)
     P = np.stack([np.zeros(grid.shape), np.sin(grid.theta)[:, None] + np.zeros(grid.shape)])
-    stage = scene.Stage(scene.Scene(grid, np.array([0.0, 9.0]), np.array([0.1, 0.9]), height))
+    stage = scene.SceneLayout(scene.Scene(grid, np.array([0.0, 9.0]), np.array([0.1, 0.9]), height))
     picture = stage.drawn(scene.Shot(P, P, [], 0.0, 4.0, 0.5))
     assert picture.shape == (height, height * 16 // 9, 3)
     again = stage.drawn(scene.Shot(P, P, [], 0.0, 4.0, 0.5))
@@ -164,15 +236,24 @@ def test_a_movie_that_fails_leaves_what_was_there(run, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
 
 
+@pytest.mark.slow
 def test_an_unguarded_script_is_told_so(run, tmp_path):
     run.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
     script = tmp_path / "script.py"
     script.write_text(
         "import xarray\n"
-        "from cyclosis.figures.movie import movie\n"
-        "movie(xarray.open_dataset('run.nc', engine='h5netcdf'), 'run.mp4', frames=3, workers=2)\n"
+        "from cyclosis.figures import movie as figure\n"
+        "class Output(figure.Output):\n"
+        "    def __init__(self, *arguments):\n"
+        "        print('opened', flush=True)\n"
+        "        super().__init__(*arguments)\n"
+        "figure.Output = Output\n"
+        "data = xarray.open_dataset('run.nc', engine='h5netcdf')\n"
+        "figure.movie(data, 'run.mp4', frames=3, workers=2)\n"
     )
     out = subprocess.run([sys.executable, script.name], cwd=tmp_path, capture_output=True, text=True)
     assert out.returncode == 1
     assert "give 1, or guard the script" in out.stderr
+    # A process that runs the script again opens no file: it may be ended before it could remove it.
+    assert out.stdout.split() == ["opened"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.nc", "script.py"]

@@ -7,10 +7,18 @@ from scipy.stats import binomtest
 import cyclosis as cy
 from cyclosis.analysis.outcomes import REGIONS
 from cyclosis.figures import phase_diagram, plane, style, swept, thresholds
-from cyclosis.stability import dispersion
+from cyclosis.stability.uniform import dispersion
 from figures.sweeps import FIGURE5, PARAMETERS, C, D, M, U, colours, sweep, texts, with_regimes
 
 SMALL = {"alpha_p": [0.1, 0.2, 0.4], "alpha_u": [0.05, 0.15]}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _few_places():
+    """Curves that take Newton's method, at few places: what they are is tested elsewhere."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(thresholds, "PLACES", 6)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -241,7 +249,7 @@ def test_names_stand_where_regions_have_most_room():
     inside[0, 0] = inside[4:9, 5:10] = True
     at = plane.roomiest(x, y, inside, [], 1.0)
     assert at == (pytest.approx(6.0, abs=0.2), pytest.approx(7.0, abs=0.2))
-    across = thresholds.Curve("c", np.linspace(-1, 12, 500), np.full(500, 6.5))
+    across = thresholds.BorderCurve("c", np.linspace(-1, 12, 500), np.full(500, 6.5))
     assert plane.roomiest(x, y, inside, [across], 1.0)[1] == pytest.approx(8.0, abs=0.2)
 
 

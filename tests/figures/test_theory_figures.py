@@ -7,9 +7,9 @@ from matplotlib.colors import to_rgb
 import cyclosis as cy
 from cyclosis.figures import bifurcation, limits, plane, regime_map, spectra, style, thresholds
 from cyclosis.figures.dispersion import dispersion
-from cyclosis.stability.atlas import RegimeMap
-from cyclosis.stability.boundaries import limits as compute_limits
-from cyclosis.stability.onset import neighbourhood
+from cyclosis.stability.existence.boundaries import limits as compute_limits
+from cyclosis.stability.existence.onset import neighbourhood
+from cyclosis.stability.regime_map import RegimeMap
 from cyclosis.stability.states import STATES
 
 N = 64
@@ -104,6 +104,7 @@ def test_eigenvalues_along_a_branch(branch, tmp_path):
     style.save(figure, tmp_path / "eigenvalues.png")
 
 
+@pytest.mark.slow
 def test_limits_over_decades_and_about_the_onset(tmp_path):
     params = cy.Parameters()
     near = neighbourhood(params, [0.045, 0.05, 0.055])
@@ -146,6 +147,7 @@ def test_curves_over_kappa_are_exact():
     assert np.interp(0.5, rotation.y, rotation.x) == pytest.approx(0.048397, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_existence_and_stability_over_alpha_p():
     axes = (plane.Axis("alpha_p", np.linspace(0.0, 0.2, 21)), plane.Axis("alpha_u", np.linspace(0, 0.4, 9)))
     found = {curve.name: curve for curve in thresholds.thresholds(cy.Parameters(), axes)}

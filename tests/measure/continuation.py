@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 import cyclosis as cy
-from cyclosis.stability.dispersion import growth_rates
+from cyclosis.stability.uniform.dispersion import growth_rates
 
 from . import Row
 

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import psutil
 
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.store.store import Store
 
+from .files import COMMAND
 from .sweeps import differences
 
 KINDS = ("worker", "client", "everything")
@@ -77,7 +78,7 @@ def made_up_command(seconds: float) -> list[str]:
 def real_command(folder: Path) -> list[str]:
     """Write a configuration of some real members into a folder; return the command, less its store."""
     (folder / "tiny.toml").write_text(TINY)
-    return [sys.executable, "-m", "cyclosis", "sweep", "run", str(folder / "tiny.toml"), "--quiet", "--out"]
+    return [*COMMAND, "sweep", "run", str(folder / "tiny.toml"), "--quiet", "--out"]
 
 
 def start(command: Sequence[str], store: Path) -> subprocess.Popen[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 import subprocess
 import sys
@@ -11,6 +10,8 @@ from pathlib import Path
 
 import h5netcdf
 import numpy as np
+
+from cyclosis.dataset import parts
 
 COMMAND = [sys.executable, "-m", "cyclosis"]
 TEXT = (
@@ -39,13 +40,17 @@ def differences(a: Path, b: Path) -> list[str]:
     return out
 
 
-def environment(folder: Path) -> dict[str, str]:
-    """Return an environment whose compiled functions are kept from one process to the next."""
-    cache = {
-        "JAX_COMPILATION_CACHE_DIR": str(folder / "jax"),
-        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
-    }
-    return os.environ | cache | {"JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "0"}
+def started(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    """Start a command of cyclosis."""
+    command, pipe = [*COMMAND, *arguments], subprocess.PIPE
+    return subprocess.Popen(command, cwd=folder, stdout=pipe, stderr=pipe, text=True)
+
+
+def wait_for_parts(process: subprocess.Popen[str], target: Path, count: int = 3) -> None:
+    """Wait until a run that has been started has saved some parts."""
+    while len(parts.stored(target)) < count:
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.01)
 
 
 def call(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -53,7 +58,6 @@ def call(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [*COMMAND, *arguments],
         cwd=folder,
-        env=environment(folder),
         capture_output=True,
         text=True,
         timeout=300,
@@ -66,20 +70,14 @@ def killed_round(folder: Path, number: int, seconds: float) -> str:
     `folder` holds `straight.nc`, the same run undisturbed.
     """
     target = folder / f"killed-{number}.nc"
-    start = [*COMMAND, "run", *SETTINGS, "--out", target.name, "--checkpoint-seconds", "0"]
-    for arguments in (start, [*COMMAND, "resume", target.name, "--quiet", "--checkpoint-seconds", "0"]):
+    start = ["run", *SETTINGS, "--out", target.name, "--checkpoint-seconds", "0"]
+    for arguments in (start, ["resume", target.name, "--quiet", "--checkpoint-seconds", "0"]):
         if arguments is not start and not _stands(target):
             break  # killed before anything was written: there is nothing to resume
-        process = subprocess.Popen(
-            arguments,
-            cwd=folder,
-            env=environment(folder),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        process = started(folder, *arguments)
         time.sleep(seconds)
         process.kill()
-        process.wait()
+        process.communicate()
         if _stands(target):
             info = call(folder, "info", target.name)
             if info.returncode != 0:
@@ -98,8 +96,7 @@ def killed_round(folder: Path, number: int, seconds: float) -> str:
 
 
 def _stands(target: Path) -> bool:
-    folder = target.with_name(target.name + ".unfinished")
-    return target.exists() or any(folder.glob("[0-9]*.nc"))
+    return target.exists() or bool(parts.stored(target))
 
 
 def killing(folder: Path, rounds: int, seed: int = 0) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import cyclosis as cy
-from cyclosis.stability import elliptic
+from cyclosis.stability.profiles import elliptic
 
 from . import Row
 

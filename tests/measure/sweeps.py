@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from cyclosis.sweep.plan import Sweep
-from cyclosis.sweep.store import Store
+from cyclosis.dataset.whole import temporary
+from cyclosis.sweep.plan.sweep import Sweep
+from cyclosis.sweep.store.store import Store
 
 TABLES: dict[str, Any] = {
     "parameters": {"d_s": 0.1},
@@ -73,6 +74,14 @@ def crowded(plan: Sweep, index: int, seconds: float = 0.0) -> dict[str, np.ndarr
     return made_up(plan, index, seconds)
 
 
+def half_written(plan: Sweep, index: int, store: Path) -> dict[str, np.ndarray]:
+    """The same as `crowded`, and its worker is still writing another block when the sweep ends."""
+    half = temporary(Store(store).path_of(index))
+    half.parent.mkdir(parents=True, exist_ok=True)
+    half.touch()
+    return crowded(plan, index)
+
+
 WAYS = {item.__name__: item for item in (made_up, raising, hopeless, deadly, crowded)}
 
 
@@ -97,6 +106,7 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 
 def main() -> None:
     """Compute a made-up sweep."""
+    from cyclosis.dynamics.interrupts import carried, terminable
     from cyclosis.sweep.execute import run_sweep
 
     parser = argparse.ArgumentParser(description=__doc__)
@@ -104,9 +114,19 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=0.0)
     parser.add_argument("--way", choices=WAYS, default="made_up")
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--script", action="store_true", help="a loop over stores, as a user writes it")
     given = parser.parse_args()
     compute = slow(given.seconds, given.way)
-    summary = run_sweep(sweep(), given.store, workers=given.workers, compute=compute)
+    if given.script:
+        for number in range(100):
+            store = given.store.with_name(f"{given.store.name}-{number}")
+            run_sweep(sweep(), store, workers=given.workers, compute=compute)
+        sys.exit(0)
+    try:
+        with terminable():
+            summary = run_sweep(sweep(), given.store, workers=given.workers, compute=compute)
+    except KeyboardInterrupt as stopped:
+        summary = carried(stopped)
     print(summary.message)
     sys.exit({"complete": 0, "interrupted": 130}.get(summary.status, 1))
 

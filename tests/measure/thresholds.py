@@ -7,7 +7,8 @@ import time
 import numpy as np
 
 import cyclosis as cy
-from cyclosis.stability import crossings, elliptic, equal, onset, thresholds
+from cyclosis.stability.existence import crossings, equal, onset, thresholds
+from cyclosis.stability.profiles import elliptic
 
 from . import Row, extended
 

@@ -8,10 +8,11 @@ import numpy as np
 import cyclosis as cy
 from cyclosis.model.spectral import unpack
 from cyclosis.model.system import system
-from cyclosis.stability import dispersion, uniform
-from cyclosis.stability.equilibria import steady_state
-from cyclosis.stability.modes import leading_modes
-from cyclosis.stability.reduced import reduced
+from cyclosis.models import polar
+from cyclosis.stability.cell.equilibria import steady_state
+from cyclosis.stability.cell.modes import leading_modes
+from cyclosis.stability.profiles.reduced import reduced_of
+from cyclosis.stability.uniform import dispersion, uniform
 
 from . import Row
 
@@ -94,7 +95,7 @@ def stripes(params, grid, P_theta=0.0, **options):
 
 def blocks(params, grid, state, waves, **options):
     """Every eigenvalue about a state uniform along z with up to so many waves along z, leading ones first."""
-    problem = reduced(params, grid, **options)
+    problem = reduced_of(polar.problem(params, grid, **options))
     y = state.state[:, :, 0].ravel()
     moved = state.drift[0] * problem.derivative
     values = [np.linalg.eigvals(problem.jacobian(y) + moved)]

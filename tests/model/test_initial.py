@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
+from cyclosis import config
 
 GRID = cy.CylinderGrid(32, 24, 5.0)
 
@@ -65,3 +66,56 @@ def test_damaged_files_are_named(tmp_path, content, suffix):
     path.write_bytes(content)
     with pytest.raises(cy.InputError, match="path"):
         cy.initial.from_file(str(path), GRID)
+
+
+@pytest.fixture
+def long_run(tmp_path):
+    """The file of a run in a cell of length 10."""
+    grid = GRID.resized(16, 16)
+    long = cy.CylinderGrid(16, 16, 10.0)
+    run = cy.simulate(cy.Parameters(), long, cy.initial.stripes(grid, 2, 0.5), t_end=1.0)
+    return cy.write(run, tmp_path / "ten.nc")
+
+
+def test_a_state_of_a_longer_cell_is_taken_only_when_it_is_to_be_stretched(long_run):
+    with pytest.raises(cy.InputError, match=r"length of the cell .* = 10\.0 .* of the grid, 5; .*stretch"):
+        cy.initial.from_file(str(long_run), GRID)
+    own = cy.initial.from_file(str(long_run), cy.CylinderGrid(32, 24, 10.0))
+    assert np.array_equal(cy.initial.from_file(str(long_run), GRID, stretch=True), own)
+    with pytest.raises(cy.InputError, match="stretch = 'yes'"):
+        cy.initial.from_file(str(long_run), GRID, stretch="yes")
+
+
+def test_a_table_asks_for_a_stored_state_to_be_stretched(long_run):
+    given = {"kind": "file", "path": str(long_run)}
+    with pytest.raises(cy.InputError, match="length of the cell"):
+        config.initial_state(given, GRID)
+    stretched = config.initial_state(given | {"stretch": True}, GRID)
+    assert np.array_equal(stretched, cy.initial.from_file(str(long_run), GRID, stretch=True))
+    with pytest.raises(cy.InputError, match="used only where initial kind is file"):
+        config.initial_state({"kind": "stripes", "stretch": True}, GRID)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        (lambda data: data.drop_attrs(), "length of the cell"),
+        (lambda data: data.isel(z=slice(8)), "z in .* the whole cell, of 10"),
+        (lambda data: data.isel(theta=slice(8)), "theta in .* the whole cell"),
+        (lambda data: data.transpose("time", "component", "z", "theta", ...), "in this order"),
+        (lambda data: data.isel(time=0), "over \\(time, component, theta, z\\)"),
+    ],
+)
+def test_what_others_made_of_a_file_is_not_misread(long_run, tmp_path, changed, words):
+    with cy.open_dataset(long_run) as data:
+        changed(data).to_netcdf(tmp_path / "changed.nc", engine="h5netcdf")
+    with pytest.raises(cy.InputError, match=words):
+        cy.initial.from_file(str(tmp_path / "changed.nc"), GRID)
+
+
+def test_a_file_that_does_not_say_its_length_spans_the_grid(long_run, tmp_path):
+    with cy.open_dataset(long_run) as data:
+        bare = data.drop_attrs().drop_vars(["theta", "z"])
+        bare.to_netcdf(tmp_path / "bare.nc", engine="h5netcdf")
+    whole = cy.initial.from_file(str(long_run), GRID, stretch=True)
+    assert np.array_equal(cy.initial.from_file(str(tmp_path / "bare.nc"), GRID), whole)

@@ -125,7 +125,7 @@ BAD = {
     "unknown key": ({"shape": "disc", "radios": 1.0}, "did you mean radius"),
     "missing": ({"shape": "disc", "theta": 1.0, "z": 1.0}, "add radius"),
     "number": ({"shape": "disc", "theta": "x", "z": 1.0, "radius": 1.0}, "one number"),
-    "no width": ({"shape": "band", "start": 1.0, "stop": 1.0}, "another number"),
+    "no width": ({"shape": "band", "start": 1.0, "stop": 1.0}, "different from the first end"),
     "no angle": ({"shape": "band", "start": 1.0, "stop": 7.0}, "an angle"),
     "axis": ({"shape": "band", "axis": "x", "start": 1.0, "stop": 2.0}, "theta, z"),
     "share": ({"shape": "strips", "count": 3, "share": 2.0}, "from 1e-06 to 1"),

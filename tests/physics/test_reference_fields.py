@@ -19,6 +19,7 @@ def test_on_their_own_grid(name):
     check(reference.own_grid(name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", reference.OWN_GRID)
 def test_on_twice_the_grid(name):
     """What is left is the error of the time step, which falls with its fourth power."""

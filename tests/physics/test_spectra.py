@@ -19,6 +19,7 @@ def test_exponential_convergence():
     check(spectra.convergence())
 
 
+@pytest.mark.slow
 def test_three_ways_to_one_rate():
     """The profile's spectrum, the whole cell's leading modes, and runs, for seven modes, two complex."""
     check(spectra.three_ways())

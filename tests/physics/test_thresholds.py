@@ -5,10 +5,12 @@ import pytest
 from measure import check, thresholds
 
 
+@pytest.mark.slow
 def test_thresholds_of_stability():
     check(thresholds.stability())
 
 
+@pytest.mark.slow
 def test_folds_and_the_pitchfork():
     check(thresholds.existence())
 

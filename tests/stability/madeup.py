@@ -3,8 +3,8 @@
 import numpy as np
 
 import cyclosis as cy
-from cyclosis.stability.curve import Curve
-from cyclosis.stability.nodes import Watch
+from cyclosis.stability.branches.curve import Curve
+from cyclosis.stability.branches.points import Linearisation
 
 POINTS = 8
 NAME = "alpha_u"
@@ -51,8 +51,8 @@ class MadeUp(Curve):
         return 0.0
 
     def begin(self, y, value):
-        """Return a watch and the node next to (y, λ)."""
+        """Return the linearisation and the node next to (y, λ)."""
         guess = self.point(np.append(y, np.zeros(2 * POINTS - 2)), 0.0, value)
         found = self.correct(guess, guess, np.append(np.zeros(guess.size - 1), 1.0), 1.0)
-        watch = Watch(self, False)
-        return watch, watch.node(found[0], None)
+        linear = Linearisation(self, False)
+        return linear, linear.node(found[0], None)

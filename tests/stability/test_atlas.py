@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.atlas import opened, regime_map
+from cyclosis.stability.regime_map import opened, regime_map
 from cyclosis.stability.states import states
 
 

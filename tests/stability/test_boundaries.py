@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability import boundaries, elliptic
+from cyclosis.stability.existence import boundaries
+from cyclosis.stability.profiles import elliptic
 
 
 def test_limits_are_fold_pitchfork_and_threshold():

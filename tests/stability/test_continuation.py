@@ -8,11 +8,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 import cyclosis as cy
-from cyclosis.stability.continuation import continue_branch
-from cyclosis.stability.dispersion import growth_rates
-from cyclosis.stability.reduced import reduced
-from cyclosis.stability.steady import rms
-from cyclosis.stability.travelling import drifting
+from cyclosis.stability.branches.continuation import continue_branch
+from cyclosis.stability.profiles.reduced import reduced
+from cyclosis.stability.profiles.steady import rms
+from cyclosis.stability.profiles.travelling import drifting
+from cyclosis.stability.uniform.dispersion import growth_rates
 
 N = 96
 """Points around, which resolve all of these states to 1e-7 or better; one number, compiled once."""
@@ -219,7 +219,7 @@ def test_as_many_points_as_asked_for():
     branch = continue_branch(start(), "alpha_u", (0.0, 1.0), None, most=3)
     assert branch.parameter.size == 7
     assert branch.start == 3
-    assert all("3 points were asked for" in point.sentence for point in branch.points)
+    assert all("the limit of 3 points is reached" in point.sentence for point in branch.points)
 
 
 @pytest.mark.parametrize(

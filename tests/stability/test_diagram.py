@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.diagram import diagram, label
+from cyclosis.stability.branches.diagram import diagram, label
 
 N = 64
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 import cyclosis as cy
 from cyclosis.model.spectral import unpack
 from cyclosis.model.system import system
-from cyclosis.stability import dispersion, uniform
 from cyclosis.stability.dispersion_table import dispersion_table
+from cyclosis.stability.uniform import dispersion, uniform
 
 GRID = cy.CylinderGrid(16, 12, 5.0)
 MODES = ((0, 0), (1, 0), (2, 0), (0, 1), (0, -2), (1, 1), (1, -1), (2, 3), (3, -2))
@@ -29,7 +29,9 @@ CELLS = {
 
 
 def numbers(low, high):
-    return st.floats(low, high, allow_nan=False, allow_subnormal=False)
+    """Numbers from low to high; none but 0 so small that the difference of two is subnormal and rounds."""
+    near = st.just(0.0) if low == 0 else st.nothing()
+    return near | st.floats(max(low, 1e-12), high, allow_nan=False)
 
 
 CELL = st.builds(
@@ -178,6 +180,18 @@ def test_all_circumferential_states_are_found(params):
         both = (push - beta + np.array([1, -1]) * np.sqrt(complex(inner))) / (2 * push)
         expected = [v.real for v in both if inner > 0 and 1e-9 < v.real < 1]
         np.testing.assert_allclose(found[found > 1e-9], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("loss", [1e-10, 1e-30, 1e-40, 1e-300])
+def test_the_last_root_is_found_however_weak_rotational_diffusion_is(loss):
+    params = cy.Parameters(alpha_p=0.0, alpha_u=0.5, kappa=0.3, d_r=loss)
+    np.testing.assert_allclose(uniform.orders(params, "circumferential") ** 2, [1.0, 0.6], rtol=1e-8)
+
+
+def test_full_order_is_not_found_twice_where_the_gain_ends_there():
+    kappa = np.nextafter(0.9061385527067806, 0.0)
+    params = cy.Parameters(alpha_p=0.0, alpha_u=0.9061385527067806, kappa=kappa, d_r=0.0, force_exponent=3.0)
+    assert uniform.orders(params, "circumferential").tolist() == [1.0]
 
 
 def test_a_steep_force_has_three_circumferential_states():

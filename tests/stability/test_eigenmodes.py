@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.reduced import reduced
+from cyclosis.stability.profiles.reduced import reduced
 
 N = 96
 CELL = cy.Parameters(alpha_p=0.3, alpha_u=0.4, epsilon=0.3, kappa=0.2)

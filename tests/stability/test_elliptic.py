@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability import elliptic
+from cyclosis.stability.profiles import elliptic
 
 THETA = 2 * np.pi / 192 * np.arange(192)
 

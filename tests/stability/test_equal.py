@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.equal import EqualStripes
-from cyclosis.stability.families import FAMILIES, OWN, ROTATION, WIDTHS, bases
+from cyclosis.stability.existence.equal import FAMILIES, OWN, ROTATION, WIDTHS, EqualStripes, bases
 
 N = 96
 

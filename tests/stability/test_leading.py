@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.leading import cutoff, leading
-from cyclosis.stability.reduced import reduced
+from cyclosis.stability.profiles.reduced import reduced
+from cyclosis.stability.profiles.slowest import cutoff, leading
 
 N = 128
 

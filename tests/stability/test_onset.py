@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability import onset
+from cyclosis.stability.existence import onset
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import cyclosis as cy
-from cyclosis.stability import profile
+from cyclosis.stability.profiles import profile
 
 ANGLES = np.linspace(0, 2 * np.pi, 40001)
 

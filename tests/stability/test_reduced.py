@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.plane import plane
-from cyclosis.stability.reduced import reduced
+from cyclosis.models import polar
+from cyclosis.stability.cell.linearised import plane
+from cyclosis.stability.profiles.reduced import reduced, reduced_of
 
 PARAMS = cy.Parameters(alpha_p=0.7, alpha_u=0.6, epsilon=0.3, kappa=0.2, repulsion_angle=0.4)
 
@@ -20,16 +21,19 @@ def smooth(n, seed, size=0.3):
 
 def jacobian(params, grid, P):
     """The derivative of the two-dimensional right-hand side by JAX, from the public traced function."""
+
+    def rate(y):
+        return cy.traced.rate_of_change(params, grid, y.reshape(P.shape)).ravel()
+
     with jax.enable_x64(True):
-        flat = jax.jacfwd(lambda y: cy.traced.rate_of_change(params, grid, y.reshape(P.shape)).ravel())
-        return np.asarray(flat(P.ravel()))
+        return np.asarray(jax.jit(jax.jacfwd(rate))(P.ravel()))
 
 
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("dealias", ["none", "full"])
 def test_rate_is_that_of_the_whole_cell(axis, dealias):
     grid = cy.CylinderGrid(20, 24, 3.0)
-    problem = reduced(PARAMS, grid, axis, dealias=dealias)
+    problem = reduced_of(polar.problem(PARAMS, grid, dealias=dealias), axis)
     y = np.concatenate([smooth(problem.n, 1), smooth(problem.n, 2)])
     expected = cy.rate_of_change(PARAMS, grid, problem.state(y, grid), dealias=dealias)
     np.testing.assert_allclose(problem.state(problem.rate(y), grid), expected, atol=1e-14)
@@ -96,7 +100,7 @@ def test_the_slope_is_exact_up_to_the_highest_mode(n):
 def test_waves_are_given_no_nyquist_modes():
     """On a grid of even size that resolves little, against the whole cell's derivative on the same grid."""
     grid = cy.CylinderGrid(12, 10, 4.0)
-    problem, whole = reduced(PARAMS, grid), plane(PARAMS, grid)
+    problem, whole = reduced(PARAMS, grid), plane(polar.problem(PARAMS, grid))
     y = np.concatenate([smooth(12, 3), smooth(12, 4)])
     linear = whole.linearised(whole.vector(problem.state(y, grid)), np.zeros(2))
     for j in (1, 4):

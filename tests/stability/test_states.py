@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.reduced import reduced
-from cyclosis.stability.relax import relax
+from cyclosis.stability.profiles.reduced import reduced
+from cyclosis.stability.profiles.steady import relax
 from cyclosis.stability.states import STATES, states
 
 
@@ -41,6 +41,7 @@ def test_length_decides_on_waves_along_the_cell():
     assert states(params, 1.0)["cyclosis"].stable
 
 
+@pytest.mark.slow
 def test_uneven_order_is_what_a_run_ends_in():
     params, grid = cy.Parameters(alpha_p=0.035, alpha_u=0.1), cy.CylinderGrid(32, 8, 5.0)
     P = cy.initial.unidirectional(grid, 0.5) + cy.initial.disordered(grid, seed=1)

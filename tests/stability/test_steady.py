@@ -5,10 +5,9 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import cyclosis as cy
-from cyclosis.stability.reduced import reduced
-from cyclosis.stability.relax import relax
-from cyclosis.stability.spectrum import across, along, spectrum
-from cyclosis.stability.steady import rms, steady
+from cyclosis.stability.profiles.growth import across, along, rates_about
+from cyclosis.stability.profiles.reduced import reduced
+from cyclosis.stability.profiles.steady import relax, rms, steady
 
 
 def two_stripes(problem, P_theta=0.0):
@@ -80,7 +79,7 @@ def test_uniform_state_and_its_two_instabilities():
         assert state.y[-1] ** 2 == pytest.approx(1 - 0.025 / alpha_p, abs=1e-9)
         threshold = min(0.5 / (1 - 0.025 / alpha_p), _stripes(alpha_p))
         assert (alpha_u < threshold) is stable
-        assert (spectrum(problem, state, 15).growth < 0) is stable
+        assert (rates_about(problem, state, 15).growth < 0) is stable
 
 
 def _stripes(alpha_p, mu=0.05, d_s=0.025, d_r=0.025):
@@ -101,11 +100,11 @@ def test_drifting_stripes_move_as_the_simulation_does():
 
 def test_growth_across_is_that_of_a_simulated_wave():
     params = cy.Parameters(alpha_p=0.5, alpha_u=0.3)
-    problem, state = found(48, alpha_p=0.5, alpha_u=0.3)
-    grid = cy.CylinderGrid(48, 8, 5.0)
+    problem, state = found(64, alpha_p=0.5, alpha_u=0.3)
+    grid = cy.CylinderGrid(64, 8, 5.0)
     rate = across(problem, state.y, 1)[0]
     values, vectors = np.linalg.eig(problem.waves(state.y, 1))
-    mode = vectors[:, np.argmax(values.real)].reshape(2, 48)
+    mode = vectors[:, np.argmax(values.real)].reshape(2, 64)
     wave = np.real(mode[:, :, None] * np.exp(2j * np.pi * grid.z / 5.0))
     P = problem.state(state.y, grid) + 1e-5 * wave
     run = cy.simulate(params, grid, P, 10.0, 10.0, rtol=1e-9, atol=1e-14)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability import thresholds
-from cyclosis.stability.equal import EqualStripes
-from cyclosis.stability.weakest import Perturbations
+from cyclosis.stability.existence import thresholds
+from cyclosis.stability.existence.equal import EqualStripes
+from cyclosis.stability.existence.fastest_growing import Perturbations
 
 GRID = cy.CylinderGrid(64, 8, 5.0)
 

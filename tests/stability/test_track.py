@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from cyclosis.stability.switching import other_branch
-from cyclosis.stability.track import Track
+from cyclosis.stability.branches.follow import Track
+from cyclosis.stability.branches.switching import other_branch
 from stability.madeup import MadeUp
 
 

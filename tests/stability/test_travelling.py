@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.travelling import drifting
+from cyclosis.stability.profiles.travelling import drifting
 
 N = 64
 
@@ -31,8 +31,8 @@ def test_the_mirror_image_drifts_the_other_way():
 @pytest.mark.parametrize(
     ("changes", "arguments", "match"),
     [
-        ({"kappa": 0.6}, {}, "straighten up"),
-        ({"kappa": 0.02}, {}, "vanish"),
+        ({"kappa": 0.6}, {}, "straighten and stop"),
+        ({"kappa": 0.02}, {}, "relax to a uniform state"),
         ({"kappa": 0.1}, {"hand": "up"}, "hand"),
         ({"kappa": 0.1}, {"duration": -1.0}, "duration"),
         ({"kappa": 0.1}, {"n_theta": 4}, "n_theta"),

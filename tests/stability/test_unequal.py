@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.thresholds import resolution
+from cyclosis.stability.existence.thresholds import resolution
 
 CELL = cy.Parameters(alpha_p=0.2, alpha_u=0.02)
 

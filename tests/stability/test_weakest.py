@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.stability.equal import EqualStripes
-from cyclosis.stability.reduced import reduced
-from cyclosis.stability.weakest import Perturbations, reflections
+from cyclosis.stability.existence.equal import EqualStripes
+from cyclosis.stability.existence.fastest_growing import Perturbations, reflections
+from cyclosis.stability.profiles.reduced import reduced
 
 N = 48
 CELL = cy.Parameters(alpha_p=0.2, alpha_u=0.1, epsilon=0.4, kappa=0.1)

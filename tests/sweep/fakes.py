@@ -5,7 +5,7 @@ import numpy as np
 import cyclosis as cy
 from cyclosis.analysis.regimes import REGIMES
 from cyclosis.ensemble import OUTCOMES, Outcome
-from cyclosis.sweep.plan import Sweep
+from cyclosis.sweep.plan.sweep import Sweep
 
 TABLES = {
     "grid": {"n_theta": 8, "n_z": 8, "length": 5.0},

@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.sweep import block
-from cyclosis.sweep.collect import open_sweep
-from cyclosis.sweep.plan import Sweep
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.plan.sweep import Sweep
+from cyclosis.sweep.store import Store, block
+from cyclosis.sweep.store.read import open_sweep
 from sweep import fakes
 
 

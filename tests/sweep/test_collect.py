@@ -5,9 +5,9 @@ import pytest
 import xarray
 
 import cyclosis as cy
-from cyclosis.sweep.collect import open_sweep, ranges
-from cyclosis.sweep.plan import Sweep
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.plan.sweep import Sweep
+from cyclosis.sweep.store.read import open_sweep, ranges
+from cyclosis.sweep.store.store import Store
 from sweep import fakes
 
 
@@ -64,7 +64,10 @@ def test_coordinates_and_attributes_say_what_they_are(store):
     assert data.regime.attrs["flag_meanings"] == " ".join(cy.REGIMES)
     assert data.regime.attrs["flag_values"].tolist() == [0, 1, 2, 3, 4, 5, 6]
     assert data.status.attrs["flag_meanings"] == "certified completed underresolved diverged"
-    assert data.regime.attrs["_FillValue"] == -1
+    for name in ("regime", "status", "zone_count", "evaluations"):
+        assert "_FillValue" not in data[name].attrs  # readers that heed it would make floats of all
+        assert data[name].attrs["valid_min"] == 0
+        assert data[name].attrs["comment"].startswith("-1 where")
     for name, variable in data.variables.items():
         assert variable.attrs["units"] == "1", name
         assert variable.attrs["long_name"], name

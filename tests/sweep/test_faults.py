@@ -4,22 +4,15 @@ import os
 import random
 import signal
 import time
+from functools import partial
 
 import pytest
 
 from cyclosis.model.errors import InputError
 from cyclosis.sweep.execute import repair, run_sweep
-from cyclosis.sweep.local import local_client
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.store.store import Store
 from measure.faults import Blow, disturbed, made_up_command, offspring, orphaned, start
-from measure.sweeps import ODD, differences, made_up, slow, sweep
-
-
-@pytest.fixture(scope="module")
-def client():
-    with local_client(2) as client:
-        client.wait_for_workers(2)
-        yield client
+from measure.sweeps import ODD, differences, half_written, made_up, slow, sweep
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +44,7 @@ def test_a_block_that_raises_is_set_aside_and_the_rest_is_computed(client, strai
     assert Store(tmp_path / "s").failed() == {}
 
 
+@pytest.mark.slow
 def test_a_block_that_kills_its_worker_is_set_aside_and_nobody_else_is_blamed(tmp_path):
     summary = run_sweep(sweep(), tmp_path / "s", workers=2, compute=slow(0.02, "deadly"))
     assert summary.status == "incomplete"
@@ -67,11 +61,12 @@ def test_if_nothing_can_be_computed_it_stops_soon(client, tmp_path):
 
 
 def test_a_full_disk_stops_with_a_sentence_and_loses_nothing(client, straight, tmp_path):
-    summary = run_sweep(sweep(), tmp_path / "s", workers=1, compute=slow(0.0, "crowded"))
+    """Nor do its workers leave half-written files, though one is still writing when they are ended."""
+    store = Store.create(tmp_path / "s", sweep())
+    summary = run_sweep(sweep(), store.path, workers=1, compute=partial(half_written, store=store.path))
     assert summary.status == "stopped"
     assert "free some disk space" in summary.message
     assert summary.aside == {}
-    store = Store(tmp_path / "s")
     assert len(store.present()) * 4 == summary.done
     assert not list(store.path.rglob("*.new"))
     assert run_sweep(sweep(), tmp_path / "s", client, compute=slow(0.0)).ok
@@ -106,6 +101,7 @@ def test_another_configuration_is_refused_with_the_difference(client, straight):
         run_sweep(sweep(ensemble={"seeds": 8}), straight, client, compute=slow(0.0))
 
 
+@pytest.mark.slow
 def test_a_sweep_that_was_killed_again_and_again_ends_with_the_same_store(straight, tmp_path):
     blows = [Blow("worker", blocks=2), Blow("client", blocks=4), Blow("everything", blocks=7)]
     found = disturbed(made_up_command(0.25), straight, tmp_path / "s", blows, random.Random(0))
@@ -116,7 +112,7 @@ def test_a_sweep_that_was_killed_again_and_again_ends_with_the_same_store(straig
 
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_interrupted_it_says_how_far_it_is_and_goes_on(number, client, straight, tmp_path):
-    process = start(made_up_command(0.3), tmp_path / "s")
+    process = start([*made_up_command(0.3), "--workers", "1"], tmp_path / "s")
     wait_until(lambda: any((tmp_path / "s" / "blocks").rglob("*.nc")))
     workers = offspring(process)
     process.send_signal(number)
@@ -130,6 +126,21 @@ def test_interrupted_it_says_how_far_it_is_and_goes_on(number, client, straight,
     assert differences(straight, tmp_path / "s") == []
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+def test_a_script_that_loops_over_sweeps_ends_with_the_first(number, tmp_path):
+    process = start([*made_up_command(0.3), "--workers", "1", "--script"], tmp_path / "s")
+    wait_until(lambda: any((tmp_path / "s-0" / "blocks").rglob("*.nc")))
+    workers = offspring(process)
+    process.send_signal(number)
+    complaints = process.communicate(timeout=120)[1]
+    assert process.returncode == -number
+    assert ("KeyboardInterrupt" in complaints) is (number == signal.SIGINT)
+    assert orphaned(workers) < 5.0
+    assert 0 < len(Store(tmp_path / "s-0").present()) < 12
+    assert not (tmp_path / "s-1").exists()
+
+
+@pytest.mark.slow
 def test_two_clients_may_work_on_one_store_at_once(straight, tmp_path):
     both = [start([*made_up_command(0.2), "--workers", "1"], tmp_path / "s") for _ in range(2)]
     for process in both:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.sweep.plan import Sweep
+from cyclosis.sweep.plan.configuration import differences
+from cyclosis.sweep.plan.sweep import Sweep
 from sweep import fakes
 
 ROOT = Path(__file__).parents[2]
@@ -261,6 +262,34 @@ def test_a_file_that_has_changed_is_refused_when_a_member_is_built(state_file):
         planned.build(0).state()
     with pytest.raises(cy.InputError, match="sha256"):
         Sweep.from_tables(planned.tables)
+
+
+@pytest.fixture
+def long_file(tmp_path):
+    """The file of a run in a cell of length 10, twice that of the sweeps here."""
+    long = cy.CylinderGrid(8, 8, 10.0)
+    run = cy.simulate(cy.Parameters(), long, cy.initial.stripes(long, 2, 0.5), t_end=0.1, save_every=0.1)
+    return cy.write(run, tmp_path / "ten.nc")
+
+
+def test_a_state_of_another_length_is_stretched_only_when_asked_for(long_file):
+    with pytest.raises(cy.InputError, match=r"length of the cell .* stretch = true"):
+        Sweep.from_tables(from_file(long_file))
+    planned = Sweep.from_tables(from_file(long_file, stretch=True))
+    expected = cy.initial.from_file(str(long_file), fakes.GRID, stretch=True)
+    assert np.array_equal(planned.build(0).state(), expected)
+    given = from_file(long_file) | {"grid": {"n_theta": 8, "n_z": 8}}
+    given["axes"] = {"length": {"values": [10.0, 12.0]}}
+    with pytest.raises(cy.InputError, match="that of the grid, 12"):
+        Sweep.from_tables(given)
+
+
+def test_what_may_be_done_with_a_file_does_not_make_another_sweep(state_file):
+    plain = Sweep.from_tables(from_file(state_file))
+    assert "stretch" not in plain.tables["initial"]
+    assert Sweep.from_tables(from_file(state_file, stretch=False)).tables == plain.tables
+    assert Sweep.from_tables(from_file(state_file, stretch=True)) == plain
+    assert differences(plain.tables, Sweep.from_tables(from_file(state_file, stretch=True)).tables) == []
 
 
 def test_a_store_can_be_read_without_the_file(state_file):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.sweep.plan import Sweep
+from cyclosis.sweep.plan.sweep import Sweep
 from sweep import fakes
 
 SENTENCE = re.compile(r"^.+ = .+ cannot be used: it must be .+; .+\.$", re.DOTALL)

@@ -5,7 +5,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.ensemble import follow
-from cyclosis.sweep.block import compute
+from cyclosis.sweep.store.block import compute
 
 STEPS = [
     {
@@ -82,6 +82,7 @@ def test_results_do_not_depend_on_blocks_and_lanes(stored, block, lanes):
     assert np.array_equal(fields(cy.Sweep.from_tables(tables)), stored)
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_workers(stored, tmp_path):
     sweep = cy.Sweep.from_tables(changed(ensemble=TABLES["ensemble"] | {"block": 2}))
     summary = cy.run_sweep(sweep, tmp_path / "store", workers=1)

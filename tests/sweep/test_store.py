@@ -9,9 +9,9 @@ import pytest
 import xarray
 
 import cyclosis as cy
-from cyclosis.sweep.packed import Damaged, pack, unpack
-from cyclosis.sweep.plan import Sweep
-from cyclosis.sweep.store import MISSING, Store
+from cyclosis.sweep.plan.sweep import Sweep
+from cyclosis.sweep.store.block_file import Damaged, pack, unpack
+from cyclosis.sweep.store.store import MISSING, Store
 from sweep import fakes
 
 
@@ -209,7 +209,7 @@ def json_or_none(path):
 
 
 def test_another_layout_is_refused_not_guessed_at(store, monkeypatch):
-    monkeypatch.setattr("cyclosis.sweep.store.SCHEMA", 2)
+    monkeypatch.setattr("cyclosis.sweep.store.store.SCHEMA", 2)
     with pytest.raises(cy.InputError, match="schema"):
         Store(store.path)
 

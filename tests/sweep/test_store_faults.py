@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.sweep import durable
-from cyclosis.sweep.durable import STALE_SECONDS
-from cyclosis.sweep.packed import pack
-from cyclosis.sweep.store import Store
+from cyclosis.dataset.whole import STALE_SECONDS, host
+from cyclosis.sweep.store.block_file import pack
+from cyclosis.sweep.store.store import Store
 from sweep import fakes
 
 CALLS = ("open", "write", "fsync", "replace", "mkdir")
@@ -173,13 +172,13 @@ def test_two_writers_of_one_block_and_a_reader_never_meet(store, planned):
 def test_what_killed_writers_left_is_cleaned_and_living_ones_are_left_alone(store, planned):
     fakes.filled(store)
     folder = store.path_of(0).parent
-    mine, host = os.getpid(), durable.host()
+    mine, here = os.getpid(), host()
     dead = 2**22 + 1  # above the largest number of a process
-    living, killed = f".000000001.nc.{host}.{mine}.ab.new", f".000000001.nc.{host}.{dead}.ab.new"
+    living, killed = f".000000001.nc.{here}.{mine}.ab.new", f".000000001.nc.{here}.{dead}.ab.new"
     far, old = ".000000001.nc.elsewhere.17.ab.new", ".000000002.nc.elsewhere.17.ab.new"
     for name in (living, killed, far, old):
         (folder / name).write_bytes(b"half")
-    (store.path / f".sweep.json.{host}.{dead}.ab.new").write_bytes(b"half")
+    (store.path / f".sweep.json.{here}.{dead}.ab.new").write_bytes(b"half")
     past = time.time() - STALE_SECONDS - 10
     os.utime(folder / old, (past, past))
     assert store.clean() == 3

@@ -9,7 +9,8 @@ import sys
 import pytest
 
 from cyclosis.cli import main
-from cyclosis.sweep.store import Store
+from cyclosis.sweep.store.store import Store
+from measure.files import COMMAND
 
 TINY = """
 [grid]
@@ -29,7 +30,7 @@ t_end = 40.0
 
 
 def started(*arguments, cwd):
-    command = [sys.executable, "-m", "cyclosis", "sweep", *map(str, arguments)]
+    command = [*COMMAND, "sweep", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=300)
 
 
@@ -59,6 +60,7 @@ def computed(tmp_path_factory):
     return folder, out
 
 
+@pytest.mark.slow
 def test_a_sweep_is_run_and_tells_other_programs_how_it_goes(computed):
     folder, out = computed
     assert out.returncode == 0, out.stderr
@@ -87,11 +89,12 @@ def test_run_again_has_nothing_to_do(computed, cyclosis):
     assert err == ""
 
 
+@pytest.mark.slow
 def test_a_plan_is_based_on_members_computed_now(computed):
     folder, _ = computed
     out = started("plan", "tiny.toml", "--workers", "10", cwd=folder)
     assert out.returncode == 0, out.stderr
-    for text in ("alpha_p 2 x alpha_u 2 x seed 2", "4 of 2 runs", "10 workers", "compiling", "B a worker"):
+    for text in ("alpha_p 2 x alpha_u 2 x seed 2", "4 of 2 runs", "10 workers", "computes", "B a worker"):
         assert text in out.stdout
     assert "4 files" in out.stdout
 
@@ -118,6 +121,7 @@ def test_an_export_is_written_once(computed, cyclosis):
     assert cyclosis("export", folder / "store", "--out", folder / "runs.csv", "--force")[0] == 0
 
 
+@pytest.mark.slow
 def test_damage_is_found_and_mended(computed, cyclosis, tmp_path):
     shutil.copytree(computed[0] / "store", tmp_path / "store")
     store = Store(tmp_path / "store")
@@ -193,8 +197,8 @@ def test_another_configuration_is_refused_with_the_difference(computed, cyclosis
 def test_mistakes_get_one_sentence(arguments, told, computed, cyclosis, monkeypatch):
     folder, _ = computed
     monkeypatch.chdir(folder)
-    monkeypatch.setattr("cyclosis.sweep.environment.settle", lambda core: None)
-    monkeypatch.setattr("cyclosis.sweep.environment.wanted", lambda found: {})
+    monkeypatch.setattr("cyclosis.sweep.cluster.environment.settle", lambda core: None)
+    monkeypatch.setattr("cyclosis.sweep.cluster.environment.wanted", lambda found: {})
     code, out, err = cyclosis(*arguments)
     assert code == 2
     assert out == ""

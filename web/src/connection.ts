@@ -1,13 +1,40 @@
-import { readFrame, type Ask, type Frame, type Said } from './protocol';
+import { readFrame, type Ask, type Frame, type Preparing, type Said } from './protocol';
 
 export interface Listener {
-  open(): void;
+  /** A session without a cell: begin one. `again` if the server has lost the previous session. */
+  begin(again: boolean): void;
+  /** The session continues as it was. */
+  resumed(preparing: Preparing | null): void;
   said(said: Said): void;
   frame(frame: Frame): void;
-  lost(): void;
+  /** There is no connection, and why; `over` if the page does not reconnect by itself. */
+  lost(sentence: string, over: boolean): void;
 }
 
-/** The address of the cell beside this page. */
+/** The part of a WebSocket that is used. */
+export type Socket = Pick<
+  WebSocket,
+  'readyState' | 'binaryType' | 'onopen' | 'onclose' | 'onmessage' | 'send' | 'close'
+>;
+
+/** Milliseconds: between checks; without a message of the server; to connect; to answer a ping. */
+export const LOOK = 500;
+export const SILENT = 3500;
+export const CONNECTING = 5000;
+export const ANSWERING = 2000;
+/** A check that comes later than this was held up, like everything else in the page. */
+const LATE = 2000;
+/** Milliseconds before the first attempt to connect again, and the most between two. */
+const SOON = 300;
+const LONGEST = 15_000;
+const OPEN = 1;
+const AWAY = 'The connection to the cell is lost.';
+/** Questions: each is repeated over the next connection until the answer, a message of the same name, arrives. */
+const QUESTIONS = new Set<string>(['hash', 'curves'] satisfies (Ask['do'] & Said['type'])[]);
+/** Requests that the server does not count: questions, and those that need not be repeated. */
+const UNCOUNTED = new Set<Ask['do']>(['seen', 'tell', 'hash', 'curves', 'alive', 'ping', 'leave', 'resume']);
+
+/** The address of the cell, next to that of this page. */
 export function cellAddress(location: { href: string }): string {
   const address = new URL('cell', location.href);
   address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
@@ -16,34 +43,169 @@ export function cellAddress(location: { href: string }): string {
   return address.href;
 }
 
-/** One WebSocket at a time; what is asked while none is open is dropped, since no cell would hear it. */
+/**
+ * A session with the server over one WebSocket after another. Each side sends a message at least every 1.5 s,
+ * since a dead connection looks open for minutes. A lost one is replaced, the session continues, and requests
+ * that did not arrive are repeated.
+ */
 export class Connection {
-  private socket: WebSocket | null = null;
+  private socket: Socket | null = null;
+  private token = '';
+  /** Whether there is a session, so that requests are received. */
+  private ready = false;
+  private over = false;
+  private attempts = 0;
+  private deadline = 0;
+  private next = Infinity;
+  private looked: number;
+  private asked = 0;
+  private unsure: (Ask & { n: number })[] = [];
+  private readonly unanswered = new Map<string, Ask>();
+  /** Questions whose answers were lost with a connection. */
+  private lost: Ask[] = [];
+  private ended = '';
 
-  constructor(private readonly listener: Listener) {}
+  constructor(
+    private readonly listener: Listener,
+    private readonly make: () => Socket = () => new WebSocket(cellAddress(location)),
+    private readonly now: () => number = Date.now, // keeps counting while a machine sleeps
+  ) {
+    this.looked = now();
+    setInterval(() => this.look(), LOOK);
+  }
 
   get isOpen(): boolean {
-    return this.socket?.readyState === WebSocket.OPEN;
+    return this.ready;
   }
 
   open(): void {
-    const before = this.socket;
-    this.socket = null;
-    before?.close();
-    const socket = new WebSocket(cellAddress(location));
+    this.drop();
+    this.over = false;
+    this.ended = '';
+    this.next = Infinity;
+    this.deadline = this.now() + CONNECTING;
+    const socket = this.make();
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
-    const current = (): boolean => this.socket === socket;
-    socket.onopen = () => current() && this.listener.open();
-    socket.onclose = () => current() && this.listener.lost();
+    socket.onopen = () => {
+      this.heard();
+      if (this.token) this.send({ do: 'resume', token: this.token });
+      else this.begin(false);
+    };
+    socket.onclose = () => this.lose();
     socket.onmessage = ({ data }: MessageEvent<ArrayBuffer | string>) => {
-      if (!current()) return;
-      if (typeof data === 'string') this.listener.said(JSON.parse(data) as Said);
-      else this.listener.frame(readFrame(data));
+      this.heard();
+      if (typeof data !== 'string') this.listener.frame(readFrame(data));
+      else this.hear(JSON.parse(data) as Said);
     };
   }
 
-  ask(message: Ask): void {
-    if (this.isOpen) this.socket!.send(JSON.stringify(message));
+  /** Send a request; without a session nothing is sent, and false is returned. */
+  ask(message: Ask): boolean {
+    if (!this.ready) return false;
+    if (QUESTIONS.has(message.do)) this.unanswered.set(message.do, message);
+    if (UNCOUNTED.has(message.do)) this.send(message);
+    else {
+      const counted = { ...message, n: (this.asked += 1) };
+      this.unsure.push(counted);
+      this.send(counted);
+    }
+    return true;
+  }
+
+  /** The page is visible again, or the network has changed: check at once whether the server is there. */
+  check(): void {
+    if (this.over) return;
+    if (!this.socket) this.open();
+    else if (this.socket.readyState > OPEN) this.lose();
+    else if (this.socket.readyState === OPEN) {
+      this.send({ do: 'ping' });
+      const soon = this.now() + ANSWERING;
+      this.deadline = this.deadline > this.now() ? Math.min(this.deadline, soon) : soon;
+    }
+  }
+
+  /** The page will not come back: the server need not keep its session. */
+  leave(): void {
+    if (this.ready) this.send({ do: 'leave' });
+    this.token = '';
+  }
+
+  private look(): void {
+    const now = this.now();
+    const late = now - this.looked > LATE;
+    this.looked = now;
+    if (!this.socket) {
+      if (now >= this.next) this.open();
+    } else if (now > this.deadline) {
+      // If this page was held up itself, messages of the server may still be waiting.
+      if (late && this.ready) this.check();
+      else this.lose();
+    }
+  }
+
+  private hear(said: Said): void {
+    if (said.type === 'alive') this.send({ do: 'alive' });
+    else if (said.type === 'welcome') {
+      this.token = said.token;
+      this.attempts = 0;
+    } else if (said.type === 'resumed') {
+      this.attempts = 0;
+      this.ready = true;
+      this.unsure = this.unsure.filter(({ n }) => n > said.received);
+      this.listener.resumed(said.preparing);
+      this.unsure.forEach((message) => this.send(message));
+    } else if (said.type === 'forgotten') {
+      this.token = '';
+      this.begin(true);
+    } else {
+      if (said.type === 'ended') this.ended = said.sentence;
+      if (said.type === 'cell') {
+        this.unsure = this.unsure.filter(({ n }) => n > said.done);
+        // A cell that is recomputed up to the time that was shown is not yet the one that was asked about.
+        if (said.catching_up === null) this.lost.splice(0).forEach((question) => this.send(question));
+      }
+      this.unanswered.delete(said.type);
+      this.listener.said(said);
+    }
+  }
+
+  /** Begin a cell in a new session, and repeat the requests that the previous one never processed. */
+  private begin(again: boolean): void {
+    this.ready = true;
+    const left = this.unsure.splice(0);
+    const last = left.findLastIndex((message) => message.do === 'begin');
+    if (last < 0) this.listener.begin(again);
+    for (const message of left.slice(Math.max(0, last))) this.ask(message);
+  }
+
+  private send(message: Ask): void {
+    if (this.socket?.readyState === OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  private heard(): void {
+    this.deadline = this.now() + SILENT;
+  }
+
+  private drop(): void {
+    const { socket } = this;
+    this.socket = null;
+    this.ready = false;
+    this.lost = [...this.unanswered.values()];
+    if (!socket) return;
+    socket.onopen = socket.onclose = socket.onmessage = null;
+    socket.close();
+  }
+
+  private lose(): void {
+    // Do not reconnect to a server that has ended the session; do if it had no room for it.
+    this.over = this.ended !== '' && this.ready && this.token !== '';
+    const sentence = this.ended || AWAY;
+    if (this.ended) this.token = '';
+    this.drop();
+    const wait = Math.min(LONGEST, SOON * 2 ** this.attempts) * (0.75 + 0.5 * Math.random());
+    this.attempts += 1;
+    this.next = this.over ? Infinity : this.now() + wait;
+    this.listener.lost(sentence, this.over);
   }
 }

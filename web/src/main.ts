@@ -1,27 +1,28 @@
 import 'uplot/dist/uPlot.min.css';
 import './style.css';
-import { Connection } from './connection';
 import { diagram } from './panels/diagram';
 import { h } from './panels/dom';
 import { equation } from './panels/equation';
 import { hand } from './panels/hand';
 import { Hub, type Cell } from './panels/hub';
 import { interventions } from './panels/interventions';
+import { key } from './panels/key';
 import { keys } from './panels/keys';
 import { isDark, keptPalette, look } from './panels/look';
 import { newCell } from './panels/newcell';
-import { lostBanner, toaster } from './panels/notices';
+import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
 import { parameters } from './panels/parameters';
 import { presets } from './panels/presets';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
 import { SpeedMeter } from './panels/speed';
-import { firstPreset } from './panels/story';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
+import { Waits } from './panels/waits';
 import type { About, Ask, Said } from './protocol';
 import { Scene } from './scene/scene';
+import { Session } from './session';
 
 declare global {
   interface Window {
@@ -42,18 +43,23 @@ function build(about: About): void {
   const { element: toastElement, toast } = toaster();
   const ask = (message: Ask): void => {
     if (message.do === 'change') scene.expect();
-    connection.ask(message);
+    session.ask(message);
   };
   const hub = new Hub(about, ask, toast);
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });
-  const key = h('div', { class: 'key-bar', 'aria-hidden': 'true' }, 'down', h('span', { class: 'bar' }), 'up');
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key);
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key());
   const header = h('header', {});
   const panels = h('section', { id: 'panels', 'aria-label': 'Controls' });
   const charts = traces(hub);
-  app.replaceChildren(header, stage, now(hub), charts, panels, toastElement);
+  const handles = now(hub);
+  app.replaceChildren(header, stage, handles, charts, panels, toastElement);
+  // Presets can be chosen while another cell is prepared; sharing and appearance concern only the page.
+  const holding = ['hand', 'parameters', 'diagram', 'new-cell'].map((id) => `#panel-${id} > .body`).join(', ');
+  const waits = new Waits(app, () => [...handles.querySelectorAll<HTMLElement>(':scope > .row:not(.spread)'), ...panels.querySelectorAll<HTMLElement>(holding)]);
+  cylinder.append(waits.over);
+  handles.append(waits.beside);
 
   const scene = new Scene({ cylinder, map, palette: keptPalette(about.palettes), dark: isDark(), notice: toast });
   const tools = hand(hub, scene);
@@ -84,15 +90,16 @@ function build(about: About): void {
     share(hub, () => scene.png()), equation(hub), newCell(hub), look(hub, scene),
     h('p', { class: 'note foot' }, `cyclosis ${about.version}, after Woodhouse & Goldstein, PNAS 110 (2013).`),
   );
-  const lost = lostBanner(() => connection.open());
-  app.append(guide.element, help.element, lost.element);
   if (matchMedia('(max-width: 820px)').matches) {
     panels.querySelectorAll<HTMLDetailsElement>('details.panel').forEach((panel) => (panel.open = panel.id === 'panel-presets' || panel.id === 'panel-hand'));
   }
 
   const hear = (said: Said): void => {
     if (said.type === 'cell') {
+      // The message that began another cell may have been lost with a connection.
+      said.fresh ||= said.begun !== hub.cell?.begun;
       if (said.fresh) {
+        waits.blank(true);
         scene.clear();
         unseen.dropped();
         hub.frame = null;
@@ -103,20 +110,13 @@ function build(about: About): void {
     } else if (said.type === 'refused') toast(said.sentence);
     else if (said.type === 'hash') hub.emit('hash', said);
     else if (said.type === 'curves') hub.emit('curves', said);
-    else if (said.type === 'ended') ended = said.sentence;
   };
-  let ended = '';
-  const connection = new Connection({
-    open: () => {
-      lost.hide();
-      unseen.forget();
-      ended = '';
-      const link = hub.link || location.hash.slice(1);
-      const preset = firstPreset(about.presets)?.name;
-      hub.ask(link ? { do: 'begin', link } : preset ? { do: 'begin', preset } : { do: 'begin', setup: {} });
-    },
+  const session = new Session({
+    hub,
+    waits,
     said: hear,
     frame: (frame) => {
+      waits.blank(false);
       unseen.came(frame.frame);
       meter.add(performance.now(), frame.t);
       scene.show(frame);
@@ -124,9 +124,10 @@ function build(about: About): void {
     },
     lost: () => {
       scene.playing = false;
-      lost.show(ended || 'The connection to the cell is lost; its address still holds all of it.');
+      unseen.forget();
     },
   });
+  app.append(guide.element, help.element, session.banner);
   addEventListener('hashchange', () => {
     const link = location.hash.slice(1);
     if (link && link !== hub.link) hub.ask({ do: 'begin', link });
@@ -140,7 +141,7 @@ function build(about: About): void {
     }),
     latest: () => hub.cell,
   };
-  connection.open();
+  session.open();
 }
 
 start().catch((error: unknown) => {

@@ -1,6 +1,6 @@
-// What the page and the server say to each other, and how a frame is read.
+// The messages between the page and the server, and how a frame is read.
 
-/** One setting, from the package's one definition of it. */
+/** One setting, from its definition in the package. */
 export interface Definition {
   name: string;
   symbol: string;
@@ -9,7 +9,7 @@ export interface Definition {
   kind: 'number' | 'whole' | 'flag' | 'choice';
   minimum: number;
   maximum: number;
-  /** The range of a slider; a number field takes all of minimum to maximum. */
+  /** The range of a slider; a number field accepts everything from minimum to maximum. */
   usual: [number, number] | null;
   allowed: string[];
 }
@@ -20,7 +20,7 @@ export interface Term {
   caption: string;
 }
 
-/** A number recorded at every frame, in the order in which it stands in `Frame.records` after the time. */
+/** A number recorded at every frame, in the order of `Frame.records` after the time. */
 export interface Trace {
   name: string;
   symbol: string;
@@ -52,7 +52,7 @@ export interface Diagram {
   caption: string;
 }
 
-/** GET api/about: all that the page is built from. */
+/** GET api/about: everything that the page is built from. */
 export interface About {
   version: string;
   limits: {
@@ -63,7 +63,7 @@ export interface About {
   parameters: Definition[];
   grid: Definition[];
   initial: Definition[];
-  /** Which of `initial` each kind of initial state takes; others would be refused. */
+  /** Which of `initial` each kind of initial state accepts; others are refused. */
   uses: Record<string, string[]>;
   /** Time between frames of a cell, dimensionless. */
   interval: Definition;
@@ -82,36 +82,59 @@ export type Said =
       type: 'cell';
       /** The set-up as its tables, every default filled in. */
       setup: { parameters: Values; grid: Values; initial: Values; run: Values };
-      /** Parameters in force now. */
+      /** Parameters that are active now. */
       parameters: Values;
-      /** Whether each is on a ramp, or differs from place to place, now. */
+      /** Whether each is on a ramp, or varies in space, now. */
       special: Record<string, 'ramp' | 'field'>;
-      /** What was done and will be done, in order. */
+      /** Past and future actions, in order. */
       protocol: { at: number; text: string }[];
       /** The whole set-up up to now, for the address after "#". */
       link: string;
       t: number;
       playing: boolean;
       speed: number;
-      /** The end that a link asked for: until then the cell is catching up, and does not wait. */
+      /** The time requested by a link: until then the cell is catching up, at full speed. */
       catching_up: number | null;
       preset: string | null;
-      /** True when this is another cell than before: traces begin anew. */
+      /** Counts the cells of this session. */
+      begun: number;
+      /** The number `n` of the last request that has been processed. */
+      done: number;
+      /** True if this is another cell than before: traces start again. */
       fresh: boolean;
     }
   | { type: 'refused'; sentence: string }
   | { type: 'hash'; t: number; sha256: string }
   | { type: 'curves'; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[]; applies: boolean }
-  | { type: 'ended'; sentence: string };
+  | { type: 'ended'; sentence: string }
+  /** A new session, or the one with the given token; requests up to `received` have arrived. */
+  | { type: 'welcome' | 'resumed'; token: string; received: number; preparing: Preparing | null }
+  /** No session has the given token: begin a cell. */
+  | { type: 'forgotten' }
+  /** Sent every 1.5 s and answered likewise; otherwise the connection is dead. */
+  | { type: 'alive' }
+  /** Work that takes seconds before the cell continues: another cell, or more of this one. */
+  | ({ type: 'preparing' } & Preparing)
+  | { type: 'prepared' };
 
-/** What the page may ask, as JSON text. */
+export interface Preparing {
+  sentence: string;
+  another: boolean;
+}
+
+/** The requests of the page, as JSON text. */
 export type Ask =
   | {
       do: 'begin';
       preset?: string;
       link?: string;
       setup?: { parameters?: Values; grid?: Values; initial?: Values; run?: Values };
+      /** With a link: the later time that was shown, and whether the cell was playing. */
+      t?: number;
+      playing?: boolean;
     }
+  | { do: 'resume'; token: string }
+  | { do: 'alive' | 'ping' | 'leave' }
   | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' }
   | { do: 'speed'; value: number }
   | { do: 'change'; values: Values }
@@ -130,8 +153,20 @@ export type Ask =
 export interface Regime {
   name: string;
   reason: string;
+  /** Angles of the boundaries of the axial mean, and the stripes after each as shares of the circumference. */
   zones: number[];
   widths: number[];
+  /** <|P|²>^½, and the share of <|P|²> around the axis. */
+  order: number;
+  around: number;
+  /** The fewest and the most boundaries that a circle around the cell crosses. */
+  boundaries: [number, number];
+  /** Velocity (around, along) with which the pattern moves as a whole, where it does. */
+  drift: [number, number];
+  /** Mean of P: around, along. */
+  mean: [number, number];
+  /** The rate at which changes grow; null while it is unknown. */
+  pace: number | 'steady' | null;
 }
 
 /** One picture of the cell. Fields are theta-major: value at i * n_z + j. */
@@ -150,7 +185,7 @@ export interface Frame {
   /** Axial means over theta (n_theta). */
   profile_P: Float32Array;
   profile_u: Float32Array;
-  /** Rows since the frame before: time, then one value for each trace. */
+  /** Rows since the previous frame: time, then one value for each trace. */
   records: Float64Array;
 }
 

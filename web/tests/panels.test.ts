@@ -1,10 +1,15 @@
+import { readFileSync } from 'node:fs';
 import { describe, expect, it, vi } from 'vitest';
 import { History } from '../src/panels/history';
+import { lineOf } from '../src/panels/lines';
 import { borders, cellOf, mix, others } from '../src/panels/plane';
 import { fromSlider, short, STEPS, toSlider } from '../src/panels/scales';
 import { Unseen } from '../src/panels/seen';
 import { SpeedMeter } from '../src/panels/speed';
 import { debounce, throttle } from '../src/panels/throttle';
+import { roomBeyond, roomFor, tickTexts, USUAL } from '../src/panels/ticks';
+import { charted, numbers, pace, seen, title } from '../src/panels/words';
+import type { Regime } from '../src/protocol';
 
 describe('history', () => {
   it('stays bounded, in order, evenly spread, and keeps both ends', () => {
@@ -45,7 +50,7 @@ describe('sliders', () => {
   });
 
   it('reads short', () => {
-    expect([short(0), short(0.123456), short(-2), short(1e-5), short(NaN)]).toEqual(['0', '0.123', '−2', '1.00e−5', '–']);
+    expect([short(0), short(0.123456), short(-2), short(1e-5), short(NaN)]).toEqual(['0', '0.123', '−2', '1·10⁻⁵', '–']);
   });
 });
 
@@ -111,5 +116,113 @@ describe('plane', () => {
   it('mixes colours and names what differs', () => {
     expect(mix('#000000', '#ffffff', 0.5)).toBe('rgb(128 128 128)');
     expect(others({ alpha_p: 1, kappa: 0.5, mu: 0.05 }, { alpha_p: 0, kappa: 0.1, mu: 0.05 })).toEqual(['kappa']);
+  });
+});
+
+describe('numbers beside a chart', () => {
+  // Every letter as wide as a wide one.
+  const width = (text: string): number => 7 * text.length;
+
+  it('have as much room as the longest needs, and the usual where they are short', () => {
+    for (const ticks of [[0, 2.5e-4, 5e-4], [-1.2e-5, 0, 1.2e-5], [0, 1e-10, 2e-10], [0, 2.5e6], [0, 0.5, 1]]) {
+      const texts = tickTexts(ticks);
+      const room = roomFor(texts, width);
+      for (const text of texts) expect(width(text)).toBeLessThan(room);
+    }
+    expect(roomFor(tickTexts([0, 0.5, 1]), width)).toBe(USUAL);
+    expect(roomFor([], width)).toBe(USUAL);
+  });
+
+  it('say small and large numbers in full', () => {
+    expect(tickTexts([-2.5e-5, 0, 1.2e-10, 0.05, 250000])).toEqual(['−2.5·10⁻⁵', '0', '1.2·10⁻¹⁰', '0.05', '2.5·10⁵']);
+  });
+
+  it('leave half of the last below the axis', () => {
+    expect(roomBeyond(['0', 't 100000'], width)).toBeGreaterThanOrEqual(28);
+    expect(roomBeyond([], width)).toBeGreaterThan(0);
+  });
+});
+
+describe('lines of charts', () => {
+  const about = ['order', 'mean_P_theta', 'mean_P_z', 'peak_speed', 'power_input', 'P_z', 'u_z'];
+
+  it('never have the colours of up and down, which the cylinder gives a meaning', () => {
+    for (const name of about) expect(['--ink', '--flow']).toContain(lineOf(name).colour);
+  });
+
+  it('have these colours beneath them where their sign is up or down', () => {
+    expect(about.filter((name) => lineOf(name).upright)).toEqual(['mean_P_z', 'P_z']);
+  });
+
+  it('look the same for one quantity wherever it is drawn, and differ within one chart', () => {
+    expect(lineOf('mean_P_z')).toEqual(lineOf('P_z'));
+    for (const [a, b] of [['mean_P_theta', 'mean_P_z'], ['P_z', 'u_z']] as const) {
+      const [one, other] = [lineOf(a), lineOf(b)];
+      expect(one.colour !== other.colour || one.dash.length !== other.dash.length).toBe(true);
+    }
+  });
+});
+
+describe('colours of charts', () => {
+  const css = readFileSync(new URL('../src/style.css', import.meta.url), 'utf8');
+  const [light, dark] = css.split(":root[data-theme='dark']") as [string, string];
+  const luminance = (theme: string, name: string): number => {
+    const hex = new RegExp(`--${name}: #([0-9a-f]{6})`).exec(theme)![1]!;
+    const [r, g, b] = [0, 2, 4].map((at) => (parseInt(hex.slice(at, at + 2), 16) / 255) ** 2.2) as [number, number, number];
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const contrast = (a: number, b: number): number => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+
+  it('differ in lightness from the page and from each other, for every colour vision', () => {
+    for (const theme of [light, dark]) {
+      const [paper, ink, flow] = ['paper', 'ink', 'flow'].map((name) => luminance(theme, name)) as [number, number, number];
+      expect(contrast(paper, ink)).toBeGreaterThan(10);
+      expect(contrast(paper, flow)).toBeGreaterThan(3);
+      expect(contrast(ink, flow)).toBeGreaterThan(2.5);
+    }
+  });
+});
+
+describe('words', () => {
+  const regime = (more: Partial<Regime>): Regime => ({
+    ...{ name: 'cyclosis', reason: '', zones: [1, 1 + Math.PI], widths: [0.5, 0.5], order: 0.9, around: 0 },
+    ...{ boundaries: [2, 2] as [number, number], drift: [0, 0] as [number, number], mean: [0, 0] as [number, number], pace: null },
+    ...more,
+  });
+  const profile = Float32Array.from({ length: 64 }, (_, i) => Math.sin((2 * Math.PI * i) / 64 - 1));
+
+  it('name every state and say what is seen', () => {
+    const names = ['disordered', 'unidirectional', 'cyclosis', 'multistripe', 'circumferential', 'travelling', 'undecided'];
+    expect(new Set(names.map((name) => title(regime({ name })))).size).toBe(names.length);
+    for (const name of names) expect(seen(regime({ name, drift: [0.01, 0] }), profile)).toMatch(/^[A-Z].*\.$/);
+    expect(seen(regime({ name: 'undecided', boundaries: [2, 8] }), profile)).toBe('Two to eight boundaries between streams, depending on the height.');
+    expect(seen(regime({ name: 'undecided', boundaries: [0, 4] }), profile)).toMatch(/^Up to four/);
+    expect(seen(regime({ name: 'unidirectional', mean: [0, -0.9] }), profile)).toMatch(/ down\./);
+  });
+
+  it('tell the share of the upward stream', () => {
+    expect(seen(regime({}), profile)).toMatch(/equally wide/);
+    const narrow = regime({ zones: [1, 2.2566], widths: [0.2, 0.8] });
+    expect(seen(narrow, profile.map((_, i) => (i > 10 && i < 23 ? 1 : -1)))).toMatch(/upward one takes 20 %/);
+    expect(seen(narrow, profile.map((_, i) => (i > 10 && i < 23 ? -1 : 1)))).toMatch(/upward one takes 80 %/);
+  });
+
+  it('say how long changes take, and nothing too early', () => {
+    expect(pace(regime({ pace: -0.084 }))).toBe('Settling: changes halve in about 8.3 R/U.');
+    expect(pace(regime({ name: 'undecided', pace: -0.084 }))).toBe('Slowing for now: changes halve in about 8.3 R/U.');
+    expect(pace(regime({ pace: 0.5 }))).toBe('Under way: changes double in about 1.4 R/U.');
+    expect(pace(regime({ pace: 'steady' }))).toMatch(/^Steady/);
+    expect(pace(regime({}))).toBe('');
+  });
+
+  it('keep rates and counts for those who ask, each with its meaning', () => {
+    const told = numbers(regime({ pace: -0.084 }));
+    expect(told.map(([name]) => name)).toEqual(['regime', 'order', 'around', 'boundaries', 'widths', 'pace']);
+    for (const [, value, meaning] of told) expect(value && meaning).toBeTruthy();
+    expect(told.find(([name]) => name === 'pace')![1]).toBe('−0.084 U/R');
+  });
+
+  it('explain every chart', () => {
+    for (const chart of ['order', 'mean P', 'peak speed', 'power', 'profile']) expect(charted(chart).length).toBeGreaterThan(0);
   });
 });

@@ -2,12 +2,14 @@ import { describe, expect, it } from 'vitest';
 import type { Frame, Palette } from '../src/protocol';
 import { Stroke, nearest, wrap, type Point } from '../src/scene/brush';
 import { Pieces, zeroLines } from '../src/scene/contours';
+import { Contrast, FAINT, GRAIN, PLAIN, REACH, weight } from '../src/scene/contrast';
 import { Fields } from '../src/scene/fields';
 import { Enlarger, flowAt } from '../src/scene/interpolate';
 import { colourAt, paletteTable } from '../src/scene/palette';
 import { Particles, TRAIL } from '../src/scene/particles';
 import { POINTS, Streamlines } from '../src/scene/streamlines';
 import { View } from '../src/scene/view';
+import shared from './contrast.json';
 
 const TURN = 2 * Math.PI;
 
@@ -119,6 +121,40 @@ describe('zero lines', () => {
     const out = new Pieces();
     zeroLines(field(n, (x, y) => ((x + y) % 2 ? -1 : 1)), n, n, field(n, () => 1), 0, out);
     expect(out.count).toBe(2 * n * n);
+  });
+});
+
+describe('the contrast around a line', () => {
+  it('is that of the Python package', () => {
+    expect([REACH, GRAIN, FAINT, PLAIN]).toEqual([shared.reach, shared.grain, shared.faint, shared.plain]);
+    expect(shared.cells.length).toBe(3);
+    for (const { n_theta, n_z, length, P_z, contrast } of shared.cells) {
+      const found = new Contrast(n_theta, n_z, length).of(Float32Array.from(P_z));
+      found.forEach((value, p) => expect(Math.abs(value - contrast[p])).toBeLessThan(2e-6));
+    }
+  });
+
+  it('shows a line between steady streams in full, though P vanishes on it, and none in disorder', () => {
+    const [steady, disorder] = shared.cells;
+    const lines = (cell: typeof steady): number[] => {
+      const fields = new Fields();
+      const seen = frame(0, () => 0, () => [0, 0], 2, cell.length);
+      seen.n_theta = cell.n_theta;
+      seen.n_z = cell.n_z;
+      seen.P_z = Float32Array.from(cell.P_z);
+      for (const name of ['P_theta', 'u_theta', 'u_z'] as const) seen[name] = new Float32Array(seen.P_z.length);
+      fields.take(seen, 0);
+      const [width, height] = [4 * cell.n_theta, 4 * cell.n_z];
+      const enlarger = new Enlarger(cell.n_theta, cell.n_z, width, height);
+      const [values, strength] = [new Float32Array(width * height), new Float32Array(width * height)];
+      enlarger.enlarge(fields.order, 0, 1, values);
+      enlarger.enlarge(fields.order, 1, 1, strength);
+      const out = new Pieces();
+      zeroLines(values, width, height, strength, FAINT, out);
+      return Array.from({ length: out.count }, (_, n) => weight(out.data[5 * n + 4]));
+    };
+    expect(lines(steady)).toEqual(new Array(2 * 4 * steady.n_z).fill(1));
+    expect(lines(disorder)).toEqual([]);
   });
 });
 

@@ -7,8 +7,7 @@ unit vectors, speeds are in U = Φ/ν, times in R/U, powers per area in Φ U.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Any
 
 import jax
@@ -16,39 +15,22 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
+from ..contract.model import Quantity as Quantity
 from ..model import filaments
+from ..model.closures import PAPER
+from ..model.doors import door
+from ..model.errors import number
 from ..model.filaments import TermLike
-from ..model.grid import Array, CylinderGrid
+from ..model.grid import Array, CylinderGrid, resolved
 from ..model.moment import Moment
 from ..model.parameters import Parameters
 from ..model.precision import double
 from ..model.spectral import dot, unpack
-from ..model.system import System, system
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """One number of a state: its name, symbol, further dimensions, unit, meaning, and how to get it.
-
-    Example:
-        >>> import cyclosis as cy
-        >>> for item in cy.diagnostics.QUANTITIES[7:10]:
-        ...     print(f"{item.name} = {item.symbol}: {item.meaning}")
-        power_input = <F·u>: power that the filaments' force puts into the flow
-        viscous_dissipation = μ <|∇u|²>: power dissipated by viscosity
-        friction_dissipation = <|u|²>: power dissipated by friction with the wall
-    """
-
-    name: str
-    symbol: str
-    dims: tuple[str, ...]
-    unit: str
-    meaning: str
-    compute: Callable[[System, Moment], Any]
-
+from ..model.system import System
+from ..model.system import system as system_of
 
 TAIL_FRACTION = 2.0 / 3.0
-"""The spectral tail is what lies beyond this fraction of the resolved wavenumbers, in either direction."""
+"""The spectral tail is beyond this fraction of the resolved wavenumbers, in either direction."""
 
 
 def _energy(spectrum: jax.Array) -> jax.Array:
@@ -56,19 +38,19 @@ def _energy(spectrum: jax.Array) -> jax.Array:
     return (spectrum.real**2 + spectrum.imag**2) / spectrum.size**2
 
 
-def _mean_P(cell: System, now: Moment) -> Any:
+def _mean_P(system: System, now: Moment) -> Any:
     return unpack(now.spectrum[0, 0] / now.spectrum.size)
 
 
-def _order(cell: System, now: Moment) -> Any:
+def _order(system: System, now: Moment) -> Any:
     return jnp.sqrt(jnp.sum(_energy(now.spectrum)))
 
 
-def _dissipated(cell: System, now: Moment) -> Any:
-    return now.values.mu * jnp.sum(cell.space.k2 * _energy(now.flow_spectrum))
+def _dissipated(system: System, now: Moment) -> Any:
+    return now.values.mu * jnp.sum(system.space.k2 * _energy(now.flow_spectrum))
 
 
-def tail(cell: System, energy: jax.Array) -> Any:
+def tail(system: System, energy: jax.Array) -> Any:
     """Return the amplitude in the spectral tail over that of all modes, dimensionless (traceable).
 
     (Σ beyond / Σ all)^½ of `energy` (n_theta, n_z), the share of each mode in a mean square; beyond are
@@ -77,26 +59,27 @@ def tail(cell: System, energy: jax.Array) -> Any:
     Example:
         >>> import numpy as np
         >>> import cyclosis as cy
-        >>> from cyclosis.model.system import system
+        >>> from cyclosis.model.system import system as system_of
         >>> grid = cy.CylinderGrid(16, 16)
-        >>> cell = system(cy.Parameters(), grid)
+        >>> system = system_of(cy.Parameters(), grid)
         >>> energy = np.zeros(grid.shape)
         >>> energy[1, 0], energy[6, 0] = 3.0, 1.0  # of m = 7 at most
-        >>> float(cy.diagnostics.tail(cell, energy))  # (1/4)^½
+        >>> float(cy.diagnostics.tail(system, energy))  # (1/4)^½
         0.5
     """
-    m = jnp.abs(cell.space.m) / jnp.max(cell.space.m)
-    q = jnp.abs(cell.space.q) / jnp.max(cell.space.q)
+    m = jnp.abs(system.space.m) / jnp.max(system.space.m)
+    # A grid of one axial point has no waves along z.
+    q = jnp.abs(system.space.q) / jnp.maximum(jnp.max(system.space.q), float(np.finfo(energy.dtype).tiny))
     beyond = jnp.sum(jnp.where(jnp.maximum(m, q) > TAIL_FRACTION, energy, 0.0))
     return jnp.sqrt(beyond / jnp.maximum(jnp.sum(energy), float(np.finfo(energy.dtype).tiny)))
 
 
-def _spectral_tail(cell: System, now: Moment) -> Any:
-    return tail(cell, _energy(now.spectrum))
+def _spectral_tail(system: System, now: Moment) -> Any:
+    return tail(system, _energy(now.spectrum))
 
 
-def _budget(cell: System, now: Moment) -> Any:
-    each = filaments.rates(now, cell.terms)
+def _budget(system: System, now: Moment) -> Any:
+    each = filaments.rates(now, system.terms)
     return jnp.stack([jnp.mean(dot(now.p, rate)) for rate in each.values()])
 
 
@@ -109,7 +92,7 @@ QUANTITIES = (
         (),
         "1",
         "largest magnitude of the order vector",
-        lambda cell, now: jnp.sqrt(jnp.max(dot(now.p, now.p))),
+        lambda system, now: jnp.sqrt(jnp.max(dot(now.p, now.p))),
     ),
     Quantity(
         "peak_speed",
@@ -117,7 +100,7 @@ QUANTITIES = (
         (),
         "1",
         "largest flow speed",
-        lambda cell, now: jnp.sqrt(jnp.max(dot(now.u, now.u))),
+        lambda system, now: jnp.sqrt(jnp.max(dot(now.u, now.u))),
     ),
     Quantity(
         "rms_speed",
@@ -125,7 +108,7 @@ QUANTITIES = (
         (),
         "1",
         "root mean square flow speed",
-        lambda cell, now: jnp.sqrt(jnp.sum(_energy(now.flow_spectrum))),
+        lambda system, now: jnp.sqrt(jnp.sum(_energy(now.flow_spectrum))),
     ),
     Quantity(
         "net_flux",
@@ -133,7 +116,7 @@ QUANTITIES = (
         (),
         "1",
         "mean axial flow, held at zero by the end caps",
-        lambda cell, now: jnp.mean(now.u.imag),
+        lambda system, now: jnp.mean(now.u.imag),
     ),
     Quantity(
         "pressure_gradient",
@@ -141,7 +124,7 @@ QUANTITIES = (
         (),
         "1",
         "axial pressure gradient that holds the net flux at zero",
-        lambda cell, now: jnp.mean(now.force.imag),
+        lambda system, now: jnp.mean(now.force.imag),
     ),
     Quantity(
         "power_input",
@@ -149,7 +132,7 @@ QUANTITIES = (
         (),
         "1",
         "power that the filaments' force puts into the flow",
-        lambda cell, now: jnp.mean(dot(now.force, now.u)),
+        lambda system, now: jnp.mean(dot(now.force, now.u)),
     ),
     Quantity("viscous_dissipation", "μ <|∇u|²>", (), "1", "power dissipated by viscosity", _dissipated),
     Quantity(
@@ -158,7 +141,7 @@ QUANTITIES = (
         (),
         "1",
         "power dissipated by friction with the wall",
-        lambda cell, now: jnp.sum(_energy(now.flow_spectrum)),
+        lambda system, now: jnp.sum(_energy(now.flow_spectrum)),
     ),
     Quantity(
         "rate_of_change",
@@ -166,7 +149,7 @@ QUANTITIES = (
         (),
         "1",
         "root mean square rate of change of the order vector",
-        lambda cell, now: jnp.sqrt(jnp.sum(_energy(cell.rate(now)))),
+        lambda system, now: jnp.sqrt(jnp.sum(_energy(system.rate(now)))),
     ),
     Quantity(
         "spectral_tail",
@@ -181,35 +164,40 @@ QUANTITIES = (
 
 
 @jax.jit
-def measure(cell: System, spectrum: Any, time: Any) -> dict[str, Any]:
+def measure(system: System, spectrum: Any, time: Any) -> dict[str, Any]:
     """Return every quantity of a packed spectrum (n_theta, n_z), by name, dimensionless (traceable).
 
     Example:
         >>> import cyclosis as cy
         >>> from cyclosis.model.precision import double
-        >>> from cyclosis.model.system import system
+        >>> from cyclosis.model.system import system as system_of
         >>> grid = cy.CylinderGrid(16, 16)
-        >>> cell = system(cy.Parameters(), grid)
+        >>> system = system_of(cy.Parameters(), grid)
         >>> with double():
-        ...     now = cy.diagnostics.measure(cell, cell.spectrum(cy.initial.stripes(grid)), 0.0)
+        ...     now = cy.diagnostics.measure(system, system.spectrum(cy.initial.stripes(grid)), 0.0)
         >>> round(float(now["max_P"]), 6)
         0.9
     """
-    now = cell.at(spectrum, time)
-    return {item.name: item.compute(cell, now) for item in QUANTITIES}
+    now = system.at(spectrum, time)
+    return {item.name: item.compute(system, now) for item in QUANTITIES}
 
 
+@door
 def diagnose(
     params: Parameters,
     grid: CylinderGrid,
     state: npt.ArrayLike,
     time: float = 0.0,
     terms: Iterable[TermLike] | None = None,
+    dealias: str = "none",
+    closure: str = PAPER,
 ) -> dict[str, Any]:
     """Return every quantity of `QUANTITIES` for a state (2, n_theta, n_z), dimensionless.
 
-    Scalars are floats; `mean_P` is an array (2,), `budget` a dictionary by term. Raises `InputError`
-    if state or parameter fields do not match the grid.
+    Scalars are floats; `mean_P` is an array (2,), `budget` a dictionary by term. They equal what a run
+    with the same `terms`, `dealias` and `closure` records: the state is taken without its Nyquist modes, and
+    the largest |P| and |u| are those on the points on which products are formed. Raises `InputError` if state
+    or parameter fields do not match the grid.
 
     Example:
         >>> import cyclosis as cy
@@ -222,21 +210,23 @@ def diagnose(
         (0.6364, (2,), ['advection', 'bundling'])
     """
     P = grid.check_state(state)
-    cell = system(params, grid, terms)
+    system = system_of(params, grid, terms, dealias, closure=closure)
+    now = number("time", time, -1e12, 1e12, "the default is 0")
     with double():
-        values = measure(cell, cell.spectrum(P), float(time))
+        values = measure(system, system.spectrum(P), now)
     out: dict[str, Any] = {name: np.asarray(v) if np.ndim(v) else float(v) for name, v in values.items()}
-    names = [term.name for term in cell.terms]
+    names = [term.name for term in system.terms]
     out["budget"] = dict(zip(names, map(float, out["budget"]), strict=True))
     return out
 
 
+@door
 def spectra(grid: CylinderGrid, state: npt.ArrayLike) -> dict[str, Array]:
     """Return how <|P|²> is spread over wavenumbers.
 
     `m` and `azimuthal` (mode numbers 0, 1, ... and the energy in them, summed over q), `q` and `axial`
-    likewise; each energy array sums to <|P|²>. Dimensionless. Raises `InputError` for a state that
-    does not match the grid.
+    likewise; each energy array sums to <|P|²> of the state without its
+    Nyquist modes. Dimensionless. Raises `InputError` for a state that does not match the grid.
 
     Example:
         >>> import cyclosis as cy
@@ -247,7 +237,7 @@ def spectra(grid: CylinderGrid, state: npt.ArrayLike) -> dict[str, Array]:
         >>> found["q"].shape, round(float(found["axial"].sum()), 6)
         ((9,), 0.5)
     """
-    P = grid.check_state(state)
+    P = resolved(grid.check_state(state))
     energy = np.sum(np.abs(np.fft.fft2(P, norm="forward")) ** 2, axis=0)
     m = np.abs(np.rint(grid.m)).astype(int)
     j = np.abs(np.rint(grid.q * grid.length / (2 * np.pi))).astype(int)

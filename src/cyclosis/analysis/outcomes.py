@@ -1,7 +1,7 @@
 """What became of many members: counts, regions of the parameter space, times to order, separating ratios.
 
 Regimes are codes, that is indices into `REGIMES`; -1 is a member that has not been computed, which
-nothing here counts. The members of a parameter point lie along the last dimension.
+is counted nowhere here. The members of a parameter point are along the last dimension.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def regions(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 def time_to_order(regime: Codes, t_order: npt.ArrayLike, quantile: float = 0.5) -> Array:
     """Return a quantile (...), by default the median, of the times to order (..., members).
 
-    Over the members that are not disordered and have a time: how long it takes where order comes at all.
+    Only members that are not disordered and have a time count: how long order takes if it arises.
     Times are dimensionless (R/U); NaN where no member has one.
     """
     times = np.array(np.broadcast_to(t_order, np.shape(regime)), dtype=np.float64)
@@ -81,10 +81,10 @@ def time_to_order(regime: Codes, t_order: npt.ArrayLike, quantile: float = 0.5) 
 
 
 class Separation(NamedTuple):
-    """The threshold of a number above which an outcome is foretold, and how well.
+    """The threshold of a number above which an outcome is predicted, and how well.
 
-    `threshold` is infinite where foretelling the commoner outcome for all cannot be bettered; `correct`
-    is the share of members that it foretells, `guess` the share in the commoner outcome.
+    `threshold` is infinite if predicting the more common outcome for all is as good; `correct` is the
+    share of members that it predicts, `guess` the share in the more common outcome.
     """
 
     threshold: float
@@ -93,16 +93,16 @@ class Separation(NamedTuple):
 
 
 def separation(values: npt.ArrayLike, outcome: npt.ArrayLike) -> Separation:
-    """Return the threshold r of positive `values` (n,) such that value > r foretells `outcome` (n,) best.
+    """Return the threshold r of positive `values` (n,) such that value > r predicts `outcome` (n,) best.
 
     r maximises the number of members with (value > r) == outcome, among all r. Where that leaves a choice,
-    r lies in the gap between two neighbouring values that is widest on a logarithmic scale, at its
+    r is in the gap between two neighbouring values that is widest on a logarithmic scale, at its
     geometric mean. Dimensionless.
     """
     x, y = np.asarray(values, dtype=np.float64), np.asarray(outcome, dtype=bool)
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]
-    # With the threshold before place k, those below it are foretold False, the others True.
+    # With the threshold before place k, False is predicted for those below it, True for the others.
     right = np.concatenate([[0], np.cumsum(~y)]) + np.concatenate([np.cumsum(y[::-1])[::-1], [0]])
     guess = max(int(y.sum()), int((~y).sum()))
     inner = np.flatnonzero(x[1:] > x[:-1]) + 1

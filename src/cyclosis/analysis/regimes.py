@@ -8,12 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..model.closures import PAPER
+from ..model.doors import door
 from ..model.filaments import TermLike
-from ..model.grid import Array, CylinderGrid
+from ..model.grid import Array, CylinderGrid, resolved
 from ..model.parameters import Parameters
 from ..model.system import rate_of_change
+from ..model.wording import beside
 from .zones import DISORDER as DISORDER
-from .zones import crossings, stripe_widths, zone_angles
+from .zones import DOMINANT as DOMINANT
+from .zones import crossings, stripe_widths, zones_of
 
 REGIMES = (
     "disordered",
@@ -29,17 +33,15 @@ SETTLED = 1e-3
 """Relative rate <|dP/dt|²>^½ / <|P|²>^½ below which a state counts as settled."""
 TRANSLATION = 0.9
 """Share of |dP/dt|² that a rigid drift must explain for a state to count as travelling."""
-DOMINANT = 0.8
-"""Share of <|P|²> in P_theta that makes a state circumferential; half of it must be in P_z for stripes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Regime:
-    """What a state is, and the numbers that say so (all dimensionless).
+    """What a state is, and the numbers that show it (all dimensionless).
 
     `name` is one of `REGIMES`; `reason` a short sentence. `zones` are the angles (radians) at which the
     axial mean of P_z changes sign, `widths` the stripes between them as fractions of the circumference
-    (both empty where there are none), `mean_P` the mean order vector (2,), `order` <|P|²>^½, `drift` the
+    (both empty if there are none), `mean_P` the mean order vector (2,), `order` <|P|²>^½, `drift` the
     rigid velocity (theta, z) that best explains dP/dt, `rate` the relative rate of change
     <|dP/dt|²>^½ / <|P|²>^½, `settled` whether that is below 10⁻³.
 
@@ -67,19 +69,22 @@ class Regime:
         return f"{self.name} ({self.reason})"
 
 
+@door
 def regime(
     params: Parameters,
     grid: CylinderGrid,
     state: npt.ArrayLike,
     terms: Iterable[TermLike] | None = None,
     time: float = 0.0,
+    dealias: str = "none",
+    closure: str = PAPER,
 ) -> Regime:
     """Return the `Regime` of a state (2, n_theta, n_z), dimensionless.
 
     The first criterion that holds gives the name:
 
     * `disordered`: <|P|²>^½ < 0.05.
-    * `travelling`: never steady, drifting or rotating as a whole. The relative rate of change is at
+    * `travelling`: never steady, but drifting or rotating as a whole. The relative rate of change is at
       least 10⁻³ and a rigid drift explains 90 % of |dP/dt|²: dP/dt = -c·∇P.
     * `circumferential`: 80 % of <|P|²> is in P_theta; filaments run around the axis.
     * `unidirectional`: P_z has one sign everywhere, and holds at least half of <|P|²>.
@@ -88,8 +93,9 @@ def regime(
     * `multistripe`: the same with four or more.
     * `undecided`: none of these (yet).
 
-    The name says what a state looks like, not that it lasts: see `rate` and `settled`. Raises
-    `InputError` if state or parameter fields do not match the grid.
+    The name describes the state, not whether it lasts: see `rate` and `settled`. The state is taken
+    without its Nyquist modes, as in the right-hand side. Raises `InputError` if state or parameter fields do
+    not match the grid.
 
     Example:
         >>> import cyclosis as cy
@@ -99,16 +105,17 @@ def regime(
         >>> cy.regime(params, grid, cy.initial.disordered(grid)).name
         'disordered'
     """
-    P = grid.check_state(state)
-    change = rate_of_change(params, grid, P, time, terms)
+    P = resolved(grid.check_state(state))
+    return judged(grid, P, rate_of_change(params, grid, P, time, terms, dealias, closure))
+
+
+def judged(grid: CylinderGrid, P: Array, change: Array) -> Regime:
+    """Return the `Regime` of a state P (2, n_theta, n_z) without Nyquist modes that changes at a rate."""
     order = float(np.sqrt(np.mean(np.sum(P**2, axis=0))))
     rate = float(np.sqrt(np.mean(np.sum(change**2, axis=0)))) / max(order, 1e-300)
     drift, explained = _drift(grid, P, change)
-    ordered = order >= DISORDER
-    zones = zone_angles(P[1].mean(axis=1)) if ordered else np.empty(0)
     name, reason = _name(P, order, rate, drift, explained)
-    if name in ("unidirectional", "circumferential"):
-        zones = np.empty(0)
+    zones = zones_of(P)
     return Regime(
         name, reason, zones, stripe_widths(zones), P.mean(axis=(1, 2)), order, drift, rate, rate < SETTLED
     )
@@ -116,7 +123,7 @@ def regime(
 
 def _name(P: Array, order: float, rate: float, drift: Array, explained: float) -> tuple[str, str]:
     if order < DISORDER:
-        return "disordered", f"order {order:.2g} is below {DISORDER}"
+        return "disordered", f"order {beside(order, DISORDER, 2)} is below {DISORDER}"
     if rate >= SETTLED and explained >= TRANSLATION:
         return "travelling", f"drifts at {drift[0]:.3g} around and {drift[1]:.3g} along the axis"
     around = float(np.mean(P[0] ** 2)) / order**2
@@ -148,7 +155,7 @@ def _drift(grid: CylinderGrid, P: Array, change: Array) -> tuple[Array, float]:
     size = float(target @ target)
     if size == 0.0 or not np.isfinite(size):
         return np.zeros(2), 0.0
-    # Along a direction in which the state hardly varies a drift is not defined: leave it at zero.
+    # A drift is not defined along a direction in which the state hardly varies: leave it at zero.
     scale = np.sqrt(np.sum(gradients**2, axis=1))
     usable = scale > 1e-6 * np.sqrt(np.sum(P**2))
     drift = np.zeros(2)

@@ -1,4 +1,4 @@
-"""How well a share is known from so many trials: Wilson's score interval."""
+"""How well a share is known from a number of trials: Wilson's score interval."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def wilson(successes: npt.ArrayLike, trials: npt.ArrayLike, confidence: float = 
     """Return the lower and upper end (...) of Wilson's interval of a share, both between 0 and 1.
 
     Of `trials` (...) independent trials `successes` (...) succeeded, with the share p = successes/trials.
-    The ends are the two shares s that lie z standard deviations of a binomial share from p,
+    The ends are the two shares s that are z standard deviations of a binomial share from p,
     (p - s)² = z² s (1 - s)/n, with n = trials and z the normal quantile of (1 + confidence)/2:
 
         s = [p + z²/2n ± z (p (1 - p)/n + z²/4n²)^½] / (1 + z²/n) .
@@ -40,7 +40,7 @@ def wilson(successes: npt.ArrayLike, trials: npt.ArrayLike, confidence: float = 
     middle = p + z**2 / (2 * some)
     half = z * np.sqrt(p * (1 - p) / some + z**2 / (4 * some**2))
     scale = np.where(n > 0, 1 + z**2 / some, np.nan)
-    # At p = 0 and 1 one end is exactly there, which rounding misses.
+    # At p = 0 and 1 one end equals p exactly, which rounding would miss.
     low = np.where(hits == 0, 0.0, np.maximum(middle - half, 0.0)) / scale
     high = np.where(hits == n, scale, np.minimum(middle + half, scale)) / scale
     return low, high

@@ -2,48 +2,65 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from ..model.devices import VARIABLE, require_platforms
 from ..model.errors import choice
-from .options import FORCE, QUIET
-
-if TYPE_CHECKING:
-    from ..sweep.tally import SweepProgress
+from .options import FORCE, NO_PROGRESS, OUTPUT
 
 
 def experiment(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="An experiment; list shows them; all does all.")
-    ],
-    seeds: Annotated[int | None, typer.Option(help="Number of seeds; each has its own default.")] = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Folder for datasets and figures.")
-    ] = Path("experiments"),
+        str | None,
+        typer.Argument(
+            metavar="NAME", help="An experiment; list shows them; all runs all.", show_default=False
+        ),
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option(metavar="WHOLE", help="Number of seeds; each has its own default.")
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Few seeds, and less of everything.")] = False,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one a core.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="WHOLE", min=1, help="Processes; by default one per core.")
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", metavar="FOLDER", help="Folder for datasets and figures.", rich_help_panel=OUTPUT
+        ),
+    ] = Path("experiments"),
     force: FORCE = False,
-    quiet: QUIET = False,
+    quiet: NO_PROGRESS = False,
 ) -> None:
-    """Do a virtual experiment: a claim of the paper, a dataset, a figure, and a verdict."""
+    """Run a virtual experiment: a claim of the paper, a dataset, a figure, and a verdict."""
+    from ..dynamics.interrupts import terminable
     from ..experiments import NAMES, perform
+    from ..progress import ExperimentLines
     from ..report import experiments as report
 
-    if name == "list":
+    if name is None or name == "list":
         print(report.catalogue())
+        if name is None:
+            hint = "cyclosis: name one of these experiments, or all: `cyclosis experiment NAME`."
+            print(hint, file=sys.stderr)
+            raise typer.Exit(2)
         return
+    require_platforms(os.environ.get(VARIABLE, ""))
     choice("experiment", name, ("list", "all", *NAMES))
-    told = None if quiet else _told
+    progress = None if quiet else ExperimentLines()
     done = []
     for each in NAMES if name == "all" else (name,):
-        done.append(perform(each, out, seeds, quick, workers, force, told))
+        try:
+            with terminable():
+                done.append(perform(each, out, seeds, quick, workers, force, progress))
+        except KeyboardInterrupt as stopped:
+            typer.echo(f"{each} was interrupted; the same command continues from there.", err=True)
+            raise typer.Exit(130) from stopped
         print(report.outcome(done[-1]))
     if len(done) > 1:
         print(report.summary(done))
-
-
-def _told(label: str, now: SweepProgress) -> None:
-    if now.done == now.total:
-        typer.echo(f"  {label}: {now.total} runs in {now.seconds:.0f} s", err=True)

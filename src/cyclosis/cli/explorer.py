@@ -9,25 +9,38 @@ import typer
 
 def explore(
     host: Annotated[
-        str, typer.Option(help="Address to listen on; by default this machine alone.")
+        str, typer.Option(metavar="ADDRESS", help="Address to listen on; by default this machine only.")
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0: any free one.")] = 8765,
+    port: Annotated[
+        int, typer.Option(metavar="WHOLE", min=0, max=65535, help="Port to listen on; 0: any free one.")
+    ] = 8765,
     name: Annotated[
         list[str] | None,
         typer.Option(
-            help="Name under which the server answers, besides its host; may be repeated; * for any."
+            metavar="NAME",
+            help="Name under which the server answers, besides its host; may be repeated; * for any.",
         ),
     ] = None,
-    sessions: Annotated[int, typer.Option(min=1, max=1000, help="Most visitors at once.")] = 8,
+    sessions: Annotated[
+        int, typer.Option(metavar="WHOLE", min=1, max=1000, help="Most visitors at once.")
+    ] = 8,
     idle_minutes: Annotated[
-        float, typer.Option(min=0.1, max=525_600, help="Minutes a cell may be left alone.")
+        float,
+        typer.Option(metavar="MINUTES", min=0.1, max=525_600, help="Minutes for which a cell may be idle."),
     ] = 30.0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
+    ahead: Annotated[
+        bool,
+        typer.Option("--ahead/--no-ahead", help="Compile what the presets need while nothing is computed."),
+    ] = True,
 ) -> None:
     """Open the explorer: a living cell in the browser."""
     import webbrowser
 
-    from ..explorer.server import LOOPBACK, Limits, serve
+    from ..explorer.server import LOOPBACK, ServerLimits, serve
+    from ..model.devices import require_devices
+
+    require_devices()
 
     def ready(port: int) -> None:
         address = f"http://{f'[{host}]' if ':' in host else host}:{port}/"
@@ -36,4 +49,4 @@ def explore(
             webbrowser.open(address)
 
     hosts = tuple(each.lower() for each in (*LOOPBACK, host, *(name or ())))
-    serve(host, port, Limits(sessions, 60.0 * idle_minutes, hosts), ready)
+    serve(host, port, ServerLimits(sessions, 60.0 * idle_minutes, hosts, ahead=ahead), ready)

@@ -6,41 +6,80 @@ import inspect
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import typer
 
 from ..model.definitions import TABLES, Definition, definition
+from ..model.definitions import option as option_name
+from .sources import of_run
+from .usage import OUTPUT as OUTPUT
+from .usage import Command, Group
 
-FORCE = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
+F = TypeVar("F", bound=Callable[..., Any])
 
-
-def named(path: Path) -> Path:
-    """Return a path that ends in a name, so that something can be put beside it."""
-    return path if path.name else path.resolve()
-
-
+FORCE = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.", rich_help_panel=OUTPUT)]
 FILE = Annotated[
     Path,
-    typer.Argument(metavar="FILE", help="NetCDF file of a run.", show_default=False, callback=named),
+    typer.Argument(metavar="FILE", help="NetCDF file of a run.", show_default=False, callback=of_run),
 ]
-TARGET = Annotated[Path | None, typer.Option("--out", help="File to write; by default beside FILE.")]
-QUIET = Annotated[bool, typer.Option("--quiet", help="Show no progress.")]
+TARGET = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="FILE",
+        help="File to write, .png or .pdf; by default next to FILE.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+QUIET = Annotated[
+    bool, typer.Option("--quiet", help="Print nothing if all goes well.", rich_help_panel=OUTPUT)
+]
+"""For commands that write files."""
+NO_PROGRESS = Annotated[
+    bool, typer.Option("--quiet", help="Print only the result, no progress.", rich_help_panel=OUTPUT)
+]
+"""For commands that print their result."""
 PAUSE = Annotated[
-    float, typer.Option("--checkpoint-seconds", min=0.0, help="Seconds on the clock between checkpoints.")
+    float,
+    typer.Option(
+        "--checkpoint-seconds",
+        metavar="SECONDS",
+        min=0.0,
+        help="Seconds of real time between checkpoints.",
+        rich_help_panel=OUTPUT,
+    ),
 ]
+_GROUPS = {
+    "model": "Cell, [parameters]",
+    "parameters": "Cell, [parameters]",
+    "grid": "Grid, [grid]",
+    "initial": "Initial state, [initial]",
+    "run": "Run, [run]",
+}
+"""Headings in the help for the options of each table."""
+_FORMS = {"numbers": "X,Y,...", "names": "A,B,...", "shape": "N,M", "choice": "NAME", "text": "FILE"}
+"""How a value of each kind is written; others by the name of their kind."""
 
 
-def commands(help: str, name: str | None = None) -> typer.Typer:
+def commands(help: str, name: str | None = None, epilog: str | None = None) -> typer.Typer:
     """Return an empty group of commands."""
     return typer.Typer(
         name=name,
+        cls=Group,
         no_args_is_help=True,
         add_completion=False,
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
         help=help,
+        epilog=epilog,
     )
+
+
+def command(group: typer.Typer, *examples: str, name: str | None = None) -> Callable[[F], F]:
+    """Add a function to a group as a command, with examples below its help."""
+    lines = "\n".join(f"  cyclosis {line}" for line in examples)
+    return group.command(name, cls=Command, epilog=f"\b\nFor example:\n{lines}" if lines else None)
 
 
 def with_options(*tables: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -48,13 +87,14 @@ def with_options(*tables: str) -> Callable[[Callable[..., None]], Callable[..., 
     return partial(_with_options, tables)
 
 
-def changes(options: Mapping[str, str | None]) -> dict[str, dict[str, Any]]:
-    """Return the tables of values, checked, that such options give."""
+def changes(options: Mapping[str, str | bool | None]) -> dict[str, dict[str, Any]]:
+    """Return the tables of checked values given by such options."""
     found: dict[str, dict[str, Any]] = {name: {} for name in TABLES}
     for key, text in options.items():
         if text is not None:
             table, name = key.split("__")
-            found[table][name] = definition(table, name).parse(text)
+            item = definition(table, name)
+            found[table][name] = item.parse(text) if isinstance(text, str) else item.check(text)
     return found
 
 
@@ -68,15 +108,20 @@ def _with_options(tables: tuple[str, ...], function: Callable[..., None]) -> Cal
 
 
 def _option(table: str, item: Definition) -> inspect.Parameter:
-    name = f"--{item.name.replace('_', '-')}"
+    name = option_name(table, item)
     default = "" if item.default is None else f" Default {_shown(item.default)}."
-    text = f"{item.meaning[0].upper()}{item.meaning[1:]}: {item.rule}.{default}"
-    option = typer.Option(name, metavar=item.kind.upper(), help=text, show_default=False)
+    flag = item.kind == "flag"
+    rule = "" if item.kind in ("flag", "text") else f": {item.written}"
+    option = typer.Option(
+        f"{name}/--no-{name[2:]}" if flag else name,
+        metavar=None if flag else _FORMS.get(item.kind, item.kind.upper()),
+        help=f"{item.meaning[0].upper()}{item.meaning[1:]}{rule}.{default}",
+        show_default=False,
+        rich_help_panel=_GROUPS[table],
+    )
+    annotation: Any = Annotated[bool | None, option] if flag else Annotated[str | None, option]
     return inspect.Parameter(
-        f"{table}__{item.name}",
-        inspect.Parameter.KEYWORD_ONLY,
-        default=None,
-        annotation=Annotated[str | None, option],
+        f"{table}__{item.name}", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation
     )
 
 

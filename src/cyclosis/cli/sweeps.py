@@ -7,76 +7,85 @@ import os
 import shlex
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..model.devices import VARIABLE, require_platforms
 from ..model.errors import InputError
-from .options import FORCE, QUIET, commands
+from .options import FORCE, NO_PROGRESS, OUTPUT, QUIET, command, commands
+from .sources import of_store
 
 if TYPE_CHECKING:
     from distributed import Client
 
-    from ..sweep.tally import SweepSummary
+    from ..sweep.cluster.progress import SweepSummary
 
 sweeps = commands("Compute many cells over a grid of parameters.")
 
 CONFIG = Annotated[Path, typer.Argument(metavar="CONFIG", help="Configuration file of a sweep.")]
-STORE = Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a sweep's results.")]
+STORE = Annotated[
+    Path, typer.Argument(metavar="STORE", help="Folder of a sweep's results.", callback=of_store)
+]
 WORKERS = Annotated[
-    int | None, typer.Option(min=1, help="Processes to start here; by default one a core, or one a GPU.")
+    int | None,
+    typer.Option(
+        metavar="WHOLE", min=1, help="Processes to start here; by default one per core, or one per GPU."
+    ),
 ]
 SCHEDULER = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler of a running cluster to use instead.")
 ]
 SCHEDULER_FILE = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="The same, given by the scheduler's file.")
+    Path | None, typer.Option(metavar="FILE", help="The same, given as the scheduler's file.")
 ]
-JSON = Annotated[bool, typer.Option("--json", help="Print progress and outcome as JSON, a line each.")]
+JSON = Annotated[
+    bool,
+    typer.Option("--json", help="Print progress and outcome as lines of JSON.", rich_help_panel=OUTPUT),
+]
 
 
-@sweeps.command()
 def plan(config: CONFIG, workers: WORKERS = None) -> None:
     """Show what a sweep will compute, and estimate its cost from a few members computed now."""
-    from ..sweep.environment import idlest_cores, processes, settle, wanted
+    from ..sweep.cluster.environment import idlest_cores, processes, settle, wanted
 
     count = workers or processes(os.environ)
-    os.environ.update(wanted(os.environ))  # as a worker would have it, before JAX is loaded
+    os.environ.update(wanted(os.environ))  # the environment of a worker, set before JAX is loaded
     settle(idlest_cores()[0])
 
     from ..report import sweep as report
-    from ..sweep.estimate import estimate
-    from ..sweep.plan import Sweep
+    from ..sweep.cluster.estimate import estimate
+    from ..sweep.plan.sweep import Sweep
 
     chosen = Sweep.from_toml(config)
     print(report.plan(chosen, estimate(chosen, count)))
 
 
-@sweeps.command()
 def run(
     config: CONFIG,
-    out: Annotated[Path, typer.Option(metavar="STORE", help="Folder for the results.")],
+    out: Annotated[
+        Path, typer.Option(metavar="STORE", help="Folder for the results.", rich_help_panel=OUTPUT)
+    ],
     workers: WORKERS = None,
     scheduler: SCHEDULER = None,
     scheduler_file: SCHEDULER_FILE = None,
     json_lines: JSON = False,
     quiet: QUIET = False,
 ) -> None:
-    """Compute a sweep into a store; or what the store lacks of it."""
+    """Compute a sweep into a store, or the part of it that is missing."""
     from ..sweep.execute import run_sweep
-    from ..sweep.plan import Sweep
+    from ..sweep.plan.sweep import Sweep
 
     chosen = Sweep.from_toml(config)
     with _client(scheduler, scheduler_file, workers) as client, _watching(json_lines, quiet) as progress:
-        summary = run_sweep(chosen, out, client, workers=workers, progress=progress)
+        summary = _ended(lambda: run_sweep(chosen, out, client, workers=workers, progress=progress))
     place = _again(scheduler=scheduler, scheduler_file=scheduler_file, workers=workers)
-    _end(summary, ["run", str(config), "--out", str(out)], place, out, json_lines)
+    _end(summary, ["run", str(config), "--out", str(out)], place, out, json_lines, quiet)
 
 
-@sweeps.command()
 def repair(
     store: STORE,
     workers: WORKERS = None,
@@ -85,33 +94,31 @@ def repair(
     json_lines: JSON = False,
     quiet: QUIET = False,
 ) -> None:
-    """Compute again what is damaged in a store, and what is missing or was set aside."""
+    """Recompute the damaged blocks of a store, and compute those that are missing or were set aside."""
     from ..sweep.execute import repair as mend
 
     with _client(scheduler, scheduler_file, workers) as client, _watching(json_lines, quiet) as progress:
-        summary = mend(store, client, workers=workers, progress=progress)
+        summary = _ended(lambda: mend(store, client, workers=workers, progress=progress))
     place = _again(scheduler=scheduler, scheduler_file=scheduler_file, workers=workers)
-    _end(summary, ["repair", str(store)], place, store, json_lines)
+    _end(summary, ["repair", str(store)], place, store, json_lines, quiet)
 
 
-@sweeps.command()
-def status(store: STORE, quiet: QUIET = False) -> None:
-    """Show how far a sweep is, and what its members have become."""
+def status(store: STORE, quiet: NO_PROGRESS = False) -> None:
+    """Show the progress of a sweep, and the outcomes of its members."""
     from ..progress import Bar
     from ..report import sweep as report
-    from ..sweep.store import Store
+    from ..sweep.store.store import Store
 
     with Bar("blocks", hidden=quiet) as bar:
         text = report.status(Store(store), bar)
     print(text)
 
 
-@sweeps.command()
-def verify(store: STORE, quiet: QUIET = False) -> None:
+def verify(store: STORE, quiet: NO_PROGRESS = False) -> None:
     """Check every byte of a store, and name the blocks that are missing or damaged."""
     from ..progress import Bar
     from ..report import sweep as report
-    from ..sweep.store import Store
+    from ..sweep.store.store import Store
 
     found = Store(store)
     with Bar("blocks", hidden=quiet) as bar:
@@ -120,10 +127,14 @@ def verify(store: STORE, quiet: QUIET = False) -> None:
     raise typer.Exit(1 if bad else 0)
 
 
-@sweeps.command()
 def export(
     store: STORE,
-    out: Annotated[Path, typer.Option(help="What to write: .zarr, .nc, .csv or .csv.gz.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar="FILE", help="What to write: .zarr, .nc, .csv or .csv.gz.", rich_help_panel=OUTPUT
+        ),
+    ],
     force: FORCE = False,
 ) -> None:
     """Write the results in a store to one file for other programs."""
@@ -136,13 +147,14 @@ def export(
 def _client(address: str | None, file: Path | None, workers: int | None) -> Iterator[Client | None]:
     """Provide a client of the cluster that was named, if one was."""
     if address is None and file is None:
+        require_platforms(os.environ.get(VARIABLE, ""))  # before workers set all blocks aside
         yield None
         return
     if address is not None and file is not None:
-        raise InputError("scheduler_file", str(file), "left out beside scheduler", "give one of the two")
+        raise InputError("scheduler_file", str(file), "left out if scheduler is given", "give one of the two")
     if workers is not None:
-        raise InputError("workers", workers, "left out beside a scheduler", "start them on its cluster")
-    from ..sweep.guests import guest_client
+        raise InputError("workers", workers, "left out if a scheduler is given", "start them on its cluster")
+    from ..sweep.cluster.running_cluster import guest_client
 
     with guest_client(address, file) as client:
         yield client
@@ -150,7 +162,7 @@ def _client(address: str | None, file: Path | None, workers: int | None) -> Iter
 
 @contextmanager
 def _watching(json_lines: bool, quiet: bool) -> Iterator[Any]:
-    """Provide what shows progress; warnings become a sentence each."""
+    """Provide the display of progress; each warning becomes a sentence."""
     from ..progress import SweepBar, SweepLines
 
     with warnings.catch_warnings():
@@ -162,13 +174,27 @@ def _watching(json_lines: bool, quiet: bool) -> Iterator[Any]:
                 yield bar
 
 
+def _ended(work: Callable[[], SweepSummary]) -> SweepSummary:
+    """Return how a sweep ended, even if Ctrl-C or SIGTERM ended it."""
+    from ..dynamics.interrupts import carried, terminable
+
+    try:
+        with terminable():
+            return work()
+    except KeyboardInterrupt as stopped:
+        summary: SweepSummary = carried(stopped)
+        return summary
+
+
 def _again(**given: object) -> list[str]:
-    """Return those options that were given, as they were."""
+    """Return the options that were given, as on the command line."""
     options = {f"--{name.replace('_', '-')}": value for name, value in given.items() if value is not None}
     return [word for name, value in options.items() for word in (name, str(value))]
 
 
-def _end(summary: SweepSummary, again: list[str], place: list[str], store: Path, json_lines: bool) -> None:
+def _end(
+    summary: SweepSummary, again: list[str], place: list[str], store: Path, json_lines: bool, quiet: bool
+) -> None:
     from dataclasses import asdict
 
     from ..report import sweep as report
@@ -176,11 +202,21 @@ def _end(summary: SweepSummary, again: list[str], place: list[str], store: Path,
 
     if json_lines:
         print(json.dumps({"event": "end", **asdict(summary)}))
-    else:
+    elif not (quiet and summary.ok):
         print(report.ended(summary))
         if summary.status == "incomplete":
             repair = shlex.join(["cyclosis", "sweep", "repair", str(store), *place])
             print(aligned({"to try again": repair}))
         elif not summary.ok:
-            print(aligned({"to go on": shlex.join(["cyclosis", "sweep", *again, *place])}))
+            print(aligned({"to continue": shlex.join(["cyclosis", "sweep", *again, *place])}))
     raise typer.Exit({"complete": 0, "interrupted": 130}.get(summary.status, 1))
+
+
+command(sweeps, "sweep plan sweep.toml")(plan)
+command(sweeps, "sweep run sweep.toml --out store", "sweep run sweep.toml --out store --workers 4 --json")(
+    run
+)
+command(sweeps, "sweep status store")(status)
+command(sweeps, "sweep verify store")(verify)
+command(sweeps, "sweep repair store")(repair)
+command(sweeps, "sweep export store --out store.nc")(export)

@@ -11,39 +11,29 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from ..dynamics.advance import Progress
+from ..contract.model import Model, TermLike
+from ..dynamics.advance import StepperState
 from ..dynamics.course import Intervention
 from ..dynamics.frames import Frames
 from ..dynamics.protocol import Protocol
 from ..dynamics.restart import Restart
 from ..dynamics.settings import Settings
 from ..dynamics.trajectory import Effort, Status, Trajectory
-from ..model.definitions import TERM_NAMES
+from ..model.doors import door
 from ..model.errors import InputError
-from ..model.filaments import TermLike, select_terms
-from ..model.grid import CylinderGrid
-from ..model.parameters import Parameters
-from ..model.spectral import dtypes
-from .contents import (
-    COORDINATES,
-    FIELD_DIMS,
-    FIELDS,
-    GROWING,
-    INTERVENTIONS,
-    ZONE_VARIABLES,
-    Contents,
-    described,
-    of_trajectory,
-)
-from .netcdf import DAMAGED, check, damaged, joined, write_contents
+from ..model.precision import dtypes
+from .contents import GROWING, Contents, described, interventions, of_trajectory, out_of_pairs
+from .netcdf import DAMAGED, check, damaged, read_joined, write_contents
 from .parts import MARKS, parts
+from .place import check_writable, in_the_way, vacate
 
 if TYPE_CHECKING:
     import xarray
 
 
+@door
 def to_dataset(run: Trajectory) -> xarray.Dataset:
-    """Return a trajectory as an `xarray.Dataset` in memory, as a file of it would be read: all of unit 1.
+    """Return a trajectory as an `xarray.Dataset` in memory, equal to that of its file: all of unit 1.
 
     Example:
         >>> import cyclosis as cy
@@ -53,14 +43,17 @@ def to_dataset(run: Trajectory) -> xarray.Dataset:
         >>> data["P"].dims, data["stripe_width"].isel(time=-1).values[:2].round(3)
         (('time', 'component', 'theta', 'z'), array([0.5, 0.5]))
     """
-    return _dataset(of_trajectory(run), run.grid.shape)
+    return _dataset(of_trajectory(run))
 
 
+@door
 def write(run: Trajectory, path: str | os.PathLike[str], force: bool = False) -> Path:
-    """Write a trajectory to a NetCDF file, frame by frame, and return its path.
+    """Write a trajectory to a NetCDF file, block by block, and return its path.
 
-    The file appears whole or not at all: it is written under a temporary name beside its place, synced
-    and renamed. Raises `InputError` if `path` exists and `force` is not given, or cannot be written.
+    The file is written completely or not at all: under a temporary name in the same folder, then synced
+    and renamed. With `force` it replaces whatever exists at `path`, including the parts of an unfinished run.
+    Raises `InputError` if a file or an unfinished run exists there and `force` is not given, if a run is
+    being written there, and if the file cannot be written.
 
     Example:
         >>> import cyclosis as cy
@@ -75,40 +68,19 @@ def write(run: Trajectory, path: str | os.PathLike[str], force: bool = False) ->
     """
     target = Path(path)
     check_writable(target, force)
-    write_contents(of_trajectory(run), target)
+    try:
+        write_contents(of_trajectory(run), target, force, lambda: vacate(target) if force else None)
+    except FileExistsError as error:
+        raise in_the_way(target) from error
     return target
 
 
-def check_writable(target: Path, force: bool) -> None:
-    """Raise `InputError` if a file is in the way or its folder is missing.
+def open_dataset(path: str | os.PathLike[str], model: Model | None = None) -> xarray.Dataset:
+    """Open the file of a run; fields are loaded lazily, and verified when they are loaded.
 
-    Example:
-        >>> from pathlib import Path
-        >>> from cyclosis.dataset import check_writable
-        >>> check_writable(Path("new.nc"), force=False)
-        >>> check_writable(Path("nowhere/new.nc"), force=False)
-        Traceback (most recent call last):
-            ...
-        cyclosis.model.errors.InputError: out = 'nowhere/new.nc' cannot be used: ...
-    """
-    try:
-        folder, there, room = target.is_dir(), target.exists(), target.parent.is_dir()
-    except OSError as error:
-        remedy = f"choose another ({error.strerror})"
-        raise InputError("out", str(target), "a place that can be written to", remedy) from error
-    if folder:
-        raise InputError("out", str(target), "a file name", "add a name to the folder")
-    if there and not force:
-        raise InputError("out", str(target), "a new file", "add --force (force=True) to overwrite it")
-    if not room:
-        raise InputError("out", str(target), "in a folder that exists", f"create {target.parent} first")
-
-
-def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
-    """Open a file of a run; fields load lazily, and are verified as they load.
-
-    An unfinished run is read into memory, as far as it was saved. Raises `InputError` for a file that is
-    none, of another schema, truncated or altered.
+    An unfinished run is read into memory, as far as it was saved. `model` is needed only if it is not in
+    `cyclosis.models`. Raises `InputError` if the file is not that of a run, has another schema, or was
+    truncated or altered.
 
     Example:
         >>> import cyclosis as cy
@@ -118,17 +90,15 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
         ...     print(data["order"].dims, data["time"].values, data["order"].attrs["units"])
         ('time',) [0. 1. 2.] 1
     """
-    import xarray  # heavy, and of no use to those who only write files
+    import xarray  # slow to import, and not needed to write files
 
     place = Path(path)
-    standing = parts(place)
-    if standing != [place]:
-        contents = joined(standing)
-        sizes = contents.coordinates
-        return _dataset(contents, (sizes["theta"].size, sizes["z"].size))
+    files = parts(place)
+    if files != [place]:
+        return _dataset(read_joined(files, model=model))
     try:
         with h5py.File(place, "r") as file:
-            check(file, place)
+            check(file, place, model)
         dataset = xarray.open_dataset(place, engine="h5netcdf", decode_times=False)
     except DAMAGED as error:
         raise damaged(place, error) from error
@@ -137,13 +107,17 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     return public
 
 
+@door
 def load(
-    path: str | os.PathLike[str], terms: Iterable[TermLike] | None = None, fields: bool = True
+    path: str | os.PathLike[str],
+    terms: Iterable[TermLike] | None = None,
+    fields: bool = True,
+    model: Model | None = None,
 ) -> Trajectory:
     """Return the `Trajectory` stored in a file, ready for `resume`.
 
-    `terms` must be given again if the user wrote some. Without `fields` the frames stay in the file.
-    Raises `InputError` for files that `open_dataset` refuses.
+    `terms` must be given again if there are custom ones, and `model` if it is not in `cyclosis.models`.
+    Without `fields` the frames stay in the file. Raises `InputError` for files that `open_dataset` refuses.
 
     Example:
         >>> import numpy as np
@@ -155,27 +129,24 @@ def load(
         (True, True)
     """
     place = Path(path)
-    contents = joined(parts(place), fields)
+    contents = read_joined(parts(place), fields, model)
     try:
         return _trajectory(contents, place, terms, fields)
     except DAMAGED as error:
         raise damaged(place, error) from error
 
 
-def _dataset(contents: Contents, shape: tuple[int, int]) -> xarray.Dataset:
+def _dataset(contents: Contents) -> xarray.Dataset:
     import xarray
 
     data: dict[str, Any] = {n: (v.dims, v.values, v.attributes) for n, v in contents.variables.items()}
-    frames = list(contents.frames)
-    for name, meaning in FIELDS.items():
-        stacked = np.array([frame[name] for frame in frames], dtype=contents.dtype).reshape(-1, 2, *shape)
-        data[name] = (FIELD_DIMS, stacked, described(meaning))
-    slots = len(contents.coordinates["zone"])
-    for name, (dims, meaning) in ZONE_VARIABLES.items():
-        kind = np.int64 if name == "zone_count" else np.float64
-        values = np.array([frame[name] for frame in frames], dtype=kind)
-        data[name] = (("time", *dims), values.reshape(-1, *([slots] if dims else [])), described(meaning))
-    coordinates = {n: ((n,), v, described(COORDINATES[n])) for n, v in contents.coordinates.items()}
+    blocks = list(contents.frames)
+    for item in contents.model.stored:
+        shape = (0, *(contents.coordinates[dim].values.size for dim in item.dims))
+        empty = np.empty(shape, contents.dtype(item))
+        values = np.concatenate([empty, *(block[item.name] for block in blocks)])
+        data[item.name] = (("time", *item.dims), values, described(item.meaning))
+    coordinates = {n: ((n,), c.values, described(c.meaning)) for n, c in contents.coordinates.items()}
     return xarray.Dataset(data, coordinates, _public(contents.attributes))
 
 
@@ -192,36 +163,38 @@ def _trajectory(
     values: dict[str, Any] = {
         n: contents.variables[n].values if v == "field" else v for n, v in asked["parameters"].items()
     }
-    grid = CylinderGrid(**asked["grid"])
+    model = contents.model
+    grid = model.grid(**asked["grid"])
     settings = Settings(**{k: v for k, v in asked["run"].items() if k != "terms"})
-    frames = Frames(
-        (2, *grid.shape), contents.dtype, elsewhere=0 if fields else len(contents.coordinates["time"])
-    )
+    restart_arrays = _stepper_state(contents)
+    final_state = model.state(grid, restart_arrays["spectrum"])
+    times = contents.coordinates["time"].values
+    dtype = dtypes(contents.attributes["precision"])[np.iscomplexobj(final_state)]
+    frames = Frames(final_state.shape, dtype, elsewhere=0 if fields else len(times))
     if fields:
-        for frame in contents.frames:
-            frames.append(frame["P"])
+        for block in contents.frames:
+            for state in out_of_pairs(block[model.state_name], final_state):
+                frames.append(state)
     wall = float(contents.attributes["wall_time_seconds"])
     done = outcome.get("protocol_events_done", 0)
-    restart = Restart(_progress(contents), outcome["sign_time"], outcome["sign"], wall, done)
+    restart = Restart(restart_arrays, outcome["sign_time"], outcome["sign"], wall, done)
     grown = {n: v.values for n, v in contents.variables.items() if v.dims[0] in GROWING}
-    records = {n: v for n, v in grown.items() if n not in INTERVENTIONS}
-    times = contents.coordinates["time"]
+    records = {n: v for n, v in grown.items() if n not in interventions(model)}
     origin = {"initial_sha256": contents.attributes["initial_sha256"]}
     if "initial" in asked:
         origin["initial"] = asked["initial"]
-    interventions = _interventions(contents)
-    final = np.fft.ifft2(restart.progress["spectrum"].astype(np.complex128))
-    final_state = np.stack([final.real, final.imag])
-    if interventions and interventions[-1].time == restart.t:
-        final_state = interventions[-1].after
+    done_to_it = _interventions(contents, final_state)
+    if done_to_it and done_to_it[-1].time == restart.t:
+        final_state = done_to_it[-1].after
     return Trajectory(
-        params=Parameters(**values),
+        model=model,
+        params=model.parameters(**values),
         grid=grid,
         settings=settings,
-        terms=_terms(asked["run"]["terms"], terms, place),
+        terms=_terms(model, asked["run"]["terms"], terms, place),
         times=times,
         frames=frames,
-        record_times=contents.coordinates.get("record_time", times),
+        record_times=contents.coordinates.get("record_time", contents.coordinates["time"]).values,
         records=records,
         status=Status(outcome["status"]),
         status_time=outcome["status_time"],
@@ -232,19 +205,24 @@ def _trajectory(
         effort=Effort(outcome["evaluations"], outcome["accepted"], outcome["rejected"], wall),
         provenance=origin,
         protocol=Protocol.from_tables(asked.get("protocol", []), asked.get("protocol_seed", 0)),
-        interventions=interventions,
+        interventions=done_to_it,
     )
 
 
-def _interventions(contents: Contents) -> tuple[Intervention, ...]:
-    times = contents.coordinates.get("intervention_time", ())
-    before, after = (contents.variables[n].values if len(times) else () for n in INTERVENTIONS)
+def _interventions(contents: Contents, like: Any) -> tuple[Intervention, ...]:
+    found = contents.coordinates.get("intervention_time")
+    if found is None or not found.values.size:
+        return ()
+    times = found.values
+    before, after = (
+        out_of_pairs(contents.variables[name].values, like) for name in interventions(contents.model)
+    )
     return tuple(Intervention(float(t), a, b) for t, a, b in zip(times, before, after, strict=True))
 
 
-def _progress(contents: Contents) -> dict[str, Any]:
+def _stepper_state(contents: Contents) -> dict[str, Any]:
     stored = contents.restart
-    out = {name: stored[name] for name in Progress._fields}
+    out = {name: stored[name] for name in StepperState._fields if name in stored}
     for name in ("spectrum", "nonlinear"):
         packed = np.empty(out[name].shape[1:], dtypes(contents.attributes["precision"])[1])
         packed.real, packed.imag = out[name]  # a sum would lose the sign of zeros
@@ -253,14 +231,15 @@ def _progress(contents: Contents) -> dict[str, Any]:
     return out
 
 
-def _terms(names: list[str], given: Iterable[TermLike] | None, place: Path) -> Any:
+def _terms(model: Model, names: list[str], given: Iterable[TermLike] | None, place: Path) -> Any:
     if given is None:
-        unknown = [name for name in names if name not in TERM_NAMES]
+        known = {term.name for term in model.terms(None)}
+        unknown = [name for name in names if name not in known]
         if unknown:
             remedy = f"resume it in Python with terms=[..., {unknown[0]}]"
-            raise InputError("terms of " + str(place), unknown[0], "one that the package knows", remedy)
-        return select_terms(names)
-    chosen = select_terms(given)
+            raise InputError("terms of " + str(place), unknown[0], "a term of the package", remedy)
+        return model.terms(names)
+    chosen = model.terms(given)
     if [term.name for term in chosen] != names:
         found = [term.name for term in chosen]
         raise InputError(

@@ -1,8 +1,8 @@
-"""A file to write HDF5 through, so that a full disk is an error and not a crash.
+"""A file object for writing HDF5, so that a full disk is an error and not a crash.
 
-When a write fails, HDF5 tries again while it closes, and may take the process with it. Here HDF5 never
-learns of the failure: it is remembered, what HDF5 goes on writing is kept in memory, and the caller
-asks with `check` and throws the file away.
+When a write fails, HDF5 tries again while closing the file, and may crash the process. This object therefore
+hides the failure from HDF5: it stores the error, and keeps in memory what HDF5 continues to write. The caller
+calls `check`, which raises the error, and removes the file.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 
 class GuardedFile(io.RawIOBase):
-    """A new file at `path`, readable, writable and seekable, that never fails but remembers its error."""
+    """A new file at `path`, readable, writable and seekable; a failed write is stored and not raised."""
 
     def __init__(self, path: Path) -> None:
         self._file = open(path, "w+b", buffering=0)  # noqa: SIM115
@@ -22,12 +22,12 @@ class GuardedFile(io.RawIOBase):
         self.error: OSError | None = None
 
     def check(self) -> None:
-        """Raise the first error, if there was one."""
+        """Raise the first error, if any."""
         if self.error is not None:
             raise self.error
 
     def sync(self) -> None:
-        """Make the file durable. Raises `OSError` if it or anything before failed."""
+        """Make the file durable. Raises `OSError` if this or an earlier write failed."""
         self.check()
         os.fsync(self._file.fileno())
 

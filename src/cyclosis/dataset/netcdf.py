@@ -1,12 +1,9 @@
-"""Contents <-> NetCDF files that appear whole or not at all, and notice when they were altered."""
+"""Contents <-> NetCDF files, which are written completely or not at all and have checksums."""
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import json
-import os
-import tempfile
 from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
@@ -17,103 +14,93 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from ..contract.model import FIELD, Coordinate, Model
 from ..model.errors import InputError
-from .contents import COORDINATES, FIELD_DIMS, FIELDS, GROWING, ZONE_VARIABLES, Contents, Variable, described
+from ..models import of_tables
+from .contents import GROWING, Block, Contents, FileVariable, described, spans
 from .guarded import GuardedFile
 from .provenance import SCHEMA
+from .whole import unwritable, whole
 
 DAMAGED = (OSError, ValueError, KeyError, TypeError, AttributeError, RuntimeError, UnicodeDecodeError)
 
 
-def write_contents(contents: Contents, target: Path) -> None:
+def write_contents(
+    contents: Contents, target: Path, force: bool = True, before: Callable[[], None] = lambda: None
+) -> None:
     """Write a file under a temporary name, sync it and rename it to `target`.
 
-    Raises `InputError` if that fails; then no trace is left, and what stood at `target` stands.
+    `before` is called just before the rename. Raises `FileExistsError` if `target` exists by then, unless
+    `force`, and `InputError` if writing fails. Then no temporary file is left, and `target` is unchanged.
     """
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".new", dir=target.parent)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    os.close(handle)
-    partial = Path(name)
-    try:
-        os.chmod(partial, 0o666 & ~_umask())
-        with GuardedFile(partial) as guarded:
+        with whole(target, force) as new, GuardedFile(new) as guarded:
             with h5netcdf.File(guarded, "w") as file:
                 _fill(file, contents, guarded.check)
             with h5py.File(guarded, "r+") as file:
-                file.attrs["digest"] = digest(file)
+                file.attrs["digest"] = digest(file, contents.model)
             guarded.sync()
-        os.replace(partial, target)
-        sync_folder(target.parent)
+            before()
+    except FileExistsError:
+        raise
     except OSError as error:
         raise unwritable(target, error) from error
-    finally:
-        partial.unlink(missing_ok=True)
 
 
-def unwritable(target: Path, error: OSError) -> InputError:
-    """Return the sentence for a file that could not be written."""
-    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-    remedy = (
-        "free some disk space and resume" if full else f"choose another place ({error.strerror or error})"
-    )
-    rule = "a file that can be written whole"
-    return InputError("out", str(target), rule, f"{remedy}; what was saved before is kept")
+def read_contents(path: Path, fields: bool = True, model: Model | None = None) -> Contents:
+    """Return the contents of a file. Raises `InputError` if it is damaged, altered or of another schema.
 
-
-def sync_folder(folder: Path) -> None:
-    """Make a rename in a folder durable, where the system can."""
-    if hasattr(os, "O_DIRECTORY"):
-        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-
-
-def read_contents(path: Path, fields: bool = True) -> Contents:
-    """Return what a file holds. Raises `InputError` for a file that is damaged, altered or of another schema.
-
-    Frames are read one by one; without `fields` only the zone variables of each.
+    Frames are read block by block; without `fields` only their small variables are. `model` is needed for a
+    file of a model that is not in `cyclosis.models`.
     """
     try:
         with h5py.File(path, "r") as file:
-            check(file, path)
+            model = check(file, path, model)
             stored = _variables(file)
-            coordinates = {name: _values(v) for name, v in stored.items() if name in COORDINATES}
-            others = stored.keys() - COORDINATES.keys() - FIELDS.keys() - ZONE_VARIABLES.keys()
+            along = [name for name, item in stored.items() if _dims(item) == (name,)]
+            coordinates = {n: Coordinate(_values(stored[n]), _meaning(stored[n])) for n in along}
+            others = stored.keys() - coordinates.keys() - {item.name for item in model.stored}
             variables = {
-                name: Variable(_dims(stored[name]), _values(stored[name]), attributes_of(stored[name]))
+                name: FileVariable(_dims(stored[name]), _values(stored[name]), attributes_of(stored[name]))
                 for name in sorted(others)
             }
             restart = {name: _values(v) for name, v in _variables(file["restart"]).items()}
             attributes = {key: value for key, value in attributes_of(file).items() if key != "digest"}
     except DAMAGED as error:
         raise damaged(path, error) from error
-    chosen = [*ZONE_VARIABLES] + ([*FIELDS] if fields else [])
-    return Contents(coordinates, variables, _frames(path, chosen), restart, attributes)
+    chosen = [item.name for item in model.stored if fields or item.dtype != FIELD]
+    frames = _frames(path, model.state_name, chosen)
+    return Contents(model, coordinates, variables, frames, restart, attributes)
 
 
-def joined(paths: list[Path], fields: bool = True) -> Contents:
-    """Return the contents of consecutive parts of one run as a whole."""
-    parts = [read_contents(path, fields) for path in paths]
+def read_joined(paths: list[Path], fields: bool = True, model: Model | None = None) -> Contents:
+    """Return the joined contents of the files of consecutive parts of one run."""
+    return joined([read_contents(path, fields, model) for path in paths])
+
+
+def joined(parts: list[Contents]) -> Contents:
+    """Return the joined contents of consecutive parts of one run."""
     last = parts[-1]
     coordinates = dict(last.coordinates)
     for name in GROWING:
         if name in coordinates:
-            coordinates[name] = np.concatenate([part.coordinates[name] for part in parts])
+            values = np.concatenate([part.coordinates[name].values for part in parts])
+            coordinates[name] = Coordinate(values, coordinates[name].meaning)
     variables = dict(last.variables)
     for name, variable in last.variables.items():
         if variable.dims[0] in GROWING:
             values = np.concatenate([part.variables[name].values for part in parts if name in part.variables])
-            variables[name] = Variable(variable.dims, values, variable.attributes)
+            variables[name] = FileVariable(variable.dims, values, variable.attributes)
     frames = chain.from_iterable(part.frames for part in parts)
-    return Contents(coordinates, variables, frames, last.restart, last.attributes)
+    return Contents(last.model, coordinates, variables, frames, last.restart, last.attributes)
 
 
-def check(file: h5py.File, path: Path) -> None:
-    """Raise `InputError` unless an open file is one of ours, of this schema, and unaltered."""
+def check(file: h5py.File, path: Path, model: Model | None = None) -> Model:
+    """Return the model of an open file.
+
+    Raises `InputError` unless the file was written by cyclosis, with this schema, is unaltered, and has the
+    given model or a known one.
+    """
     found = attributes_of(file)
     if found.get("program") != "cyclosis":
         raise InputError("file", str(path), "a NetCDF file of a cyclosis run", "choose another file")
@@ -122,12 +109,14 @@ def check(file: h5py.File, path: Path) -> None:
         remedy = "update cyclosis" if schema > SCHEMA else "read it with the version that wrote it"
         rule = f"{SCHEMA}, the layout that this version reads"
         raise InputError("schema of " + str(path), schema, rule, remedy)
-    if found["digest"] != digest(file):
+    chosen = of_tables(json.loads(found["configuration"]), model)
+    if found["digest"] != digest(file, chosen):
         raise InputError("file", str(path), "as it was written", "it was altered: restore it from a copy")
+    return chosen
 
 
 def damaged(path: Path, error: Exception) -> InputError:
-    """Return the sentence for a file that cannot be read."""
+    """Return the error for a file that cannot be read."""
     if isinstance(error, InputError):
         return error
     if isinstance(error, FileNotFoundError):
@@ -135,23 +124,23 @@ def damaged(path: Path, error: Exception) -> InputError:
     if isinstance(error, PermissionError):
         return InputError("file", str(path), "a file that can be read", "check its permissions")
     return InputError(
-        "file", str(path), "a whole NetCDF file of a run", "it is none, or truncated or altered: restore it"
+        "file", str(path), "a NetCDF file of a run, not truncated or altered", "restore it from a copy"
     )
 
 
-def digest(file: h5py.File) -> str:
-    """Return a checksum of attributes and of all variables but the fields.
+def digest(file: h5py.File, model: Model) -> str:
+    """Return a checksum of the attributes and of all variables except the fields.
 
-    Fields carry a checksum of their own in every chunk, which HDF5 verifies when it is read.
+    Every chunk of a field has its own checksum, which HDF5 verifies when the chunk is read.
     """
-    out = hashlib.sha256()
+    out, fields = hashlib.sha256(), [item.name for item in model.stored if item.dtype == FIELD]
     for group in (file, file["restart"]):
         own = {key: value for key, value in attributes_of(group).items() if key != "digest"}
         out.update(json.dumps(own, sort_keys=True).encode())
         for name, variable in sorted(_variables(group).items()):
             described = [name, _dims(variable), str(variable.dtype), variable.shape, attributes_of(variable)]
             out.update(json.dumps(described, sort_keys=True).encode())
-            if name not in FIELDS:
+            if name not in fields:
                 values = _values(variable)
                 out.update(
                     json.dumps(values.tolist()).encode() if values.dtype == object else values.tobytes()
@@ -159,28 +148,39 @@ def digest(file: h5py.File) -> str:
     return out.hexdigest()
 
 
-def _fill(file: h5netcdf.File, contents: Contents, still_well: Callable[[], None]) -> None:
-    """Fill an empty file; `still_well` raises as soon as the disk has failed."""
-    file.dimensions = {name: len(values) for name, values in contents.coordinates.items()}
-    for name, values in contents.coordinates.items():
-        _create(file, name, (name,), values.dtype, values, described(COORDINATES[name]))
+def _fill(file: h5netcdf.File, contents: Contents, check_disk: Callable[[], None]) -> None:
+    """Fill an empty file; `check_disk` raises an error if the disk has failed."""
+    file.dimensions = {name: len(along.values) for name, along in contents.coordinates.items()}
+    for name, along in contents.coordinates.items():
+        _create(file, name, (name,), along.values.dtype, along.values, described(along.meaning))
     for name, variable in contents.variables.items():
         _create(file, name, variable.dims, variable.values.dtype, variable.values, variable.attributes)
-    frames = len(contents.coordinates["time"])
-    targets = {}
-    for name, meaning in FIELDS.items():
-        targets[name] = _create(file, name, FIELD_DIMS, contents.dtype, None, described(meaning))
-    for name, (dims, meaning) in ZONE_VARIABLES.items():
-        kind = "int64" if name == "zone_count" else "float64"
-        targets[name] = _create(file, name, ("time", *dims), kind, None, described(meaning))
-    stored = 0
-    for index, frame in enumerate(contents.frames):
-        for name, values in frame.items():
-            targets[name][index] = values
-        still_well()
-        stored += 1
-    if stored != frames:
-        raise ValueError(f"{stored} frames for {frames} times")
+    frames = len(contents.coordinates["time"].values)
+    stored = contents.model.stored
+    fields = {
+        item.name: _create(
+            file, item.name, ("time", *item.dims), contents.dtype(item), None, described(item.meaning), True
+        )
+        for item in stored
+        if item.dtype == FIELD
+    }
+    numbers: dict[str, list[npt.NDArray[Any]]] = {i.name: [] for i in stored if i.name not in fields}
+    done = 0
+    for block in contents.frames:
+        span = slice(done, done := done + len(block[contents.model.state_name]))
+        for name, target in fields.items():
+            target[span] = block[name]
+        for name, listed in numbers.items():
+            listed.append(block[name])
+        check_disk()
+    if done != frames:
+        raise ValueError(f"{done} frames for {frames} times")
+    for item in stored:
+        if item.name in numbers:
+            values = np.concatenate(numbers[item.name]) if frames else None
+            dims = ("time", *item.dims)
+            _create(file, item.name, dims, contents.dtype(item), values, described(item.meaning))
+    check_disk()
     group = file.create_group("restart")
     sizes = {name: _own_dims(name, values) for name, values in contents.restart.items()}
     group.dimensions = {dim: size for dims in sizes.values() for dim, size in dims.items()}
@@ -200,6 +200,7 @@ def _create(
     dtype: npt.DTypeLike,
     values: npt.NDArray[Any] | None,
     attributes: dict[str, str],
+    by_frame: bool = False,
 ) -> Any:
     text = np.dtype(dtype).kind == "O"
     if values is not None and values.dtype == bool:
@@ -207,7 +208,7 @@ def _create(
     shape = tuple(group.dimensions[dim].size for dim in dims)
     options: dict[str, Any] = {}
     if dims and not text and all(shape):
-        options = {"fletcher32": True, "chunks": (1, *shape[1:]) if dims == FIELD_DIMS else shape}
+        options = {"fletcher32": True, "chunks": (1, *shape[1:]) if by_frame else shape}
     variable = group.create_variable(
         name, dims, h5py.string_dtype() if text else dtype, data=values, **options
     )
@@ -215,17 +216,18 @@ def _create(
     return variable
 
 
-def _frames(path: Path, names: list[str]) -> Iterator[dict[str, Any]]:
+def _frames(path: Path, state: str, names: list[str]) -> Iterator[Block]:
     try:
         with h5py.File(path, "r") as file:
-            for index in range(file["time"].shape[0]):
-                yield {name: file[name][index] for name in names}
+            frames, *shape = file[state].shape
+            for span in spans(frames, int(np.prod(shape)), file[state].dtype):
+                yield {name: file[name][span] for name in names}
     except DAMAGED as error:
         raise damaged(path, error) from error
 
 
 def _variables(group: h5py.Group) -> dict[str, h5py.Dataset]:
-    """Return the variables of a group, less the dimensions that have no values."""
+    """Return the variables of a group, without dimensions that have no values."""
     return {
         name: item
         for name, item in group.items()
@@ -239,6 +241,10 @@ def _dims(variable: h5py.Dataset) -> tuple[str, ...]:
     return tuple(scale[0].name.rpartition("/")[2] for scale in variable.dims)
 
 
+def _meaning(variable: h5py.Dataset) -> str:
+    return str(attributes_of(variable).get("long_name", ""))
+
+
 def _values(variable: h5py.Dataset) -> npt.NDArray[Any]:
     if variable.dtype.kind == "O":
         return np.array(variable.asstr()[...], dtype=object)
@@ -249,7 +255,7 @@ _INTERNAL = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
 
 
 def attributes_of(item: h5py.HLObject) -> dict[str, Any]:
-    """Return the attributes that are ours, as plain values; those of the format are left out."""
+    """Return the attributes that cyclosis wrote, as plain values, without those of the file format."""
     return {
         key: _plain(item.attrs[key]) for key in item.attrs if key not in _INTERNAL and not key.startswith("_")
     }
@@ -259,9 +265,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         value = value.item() if value.size == 1 else value.tolist()
     return value.decode() if isinstance(value, bytes) else value
-
-
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current

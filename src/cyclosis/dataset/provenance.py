@@ -1,10 +1,11 @@
-"""Where a file came from: configuration, versions, and how the run ended, as plain attributes."""
+"""The origin of a file: configuration, versions, and how the run ended, as plain attributes."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import platform
+from dataclasses import fields
 from datetime import UTC, datetime
 from typing import Any
 
@@ -12,20 +13,23 @@ import jax
 import numpy as np
 
 from ..dynamics.trajectory import Trajectory
+from ..models import polar
 from ..version import __version__
 
 SCHEMA = 1
-"""Version of the files' layout; a file of another version is refused, never guessed at."""
+"""Version of the layout of files; a file of any other version is refused."""
 
 
 def configuration(run: Trajectory) -> dict[str, Any]:
-    """Return what was asked for, as the tables of a configuration file (fields are named, not listed)."""
+    """Return the configuration as the tables of a configuration file (fields are named, not listed)."""
     asked: dict[str, Any] = {
         "parameters": {n: "field" if isinstance(v, np.ndarray) else v for n, v in run.params.items()},
-        "grid": {"n_theta": run.grid.n_theta, "n_z": run.grid.n_z, "length": run.grid.length},
+        "grid": {item.name: getattr(run.grid, item.name) for item in fields(run.grid)},
         "run": {k: v for k, v in run.settings.as_dict().items() if v is not None}
         | {"terms": [term.name for term in run.terms]},
     }
+    if run.model is not polar:
+        asked["model"] = {"kind": run.model.name, **run.model.options}
     given = run.provenance.get("initial")
     if given is not None:
         asked["initial"] = given
@@ -55,10 +59,10 @@ def attributes(run: Trajectory) -> dict[str, Any]:
     asked = json.dumps(configuration(run), sort_keys=True)
     return {
         "Conventions": "CF-1.11",
-        "title": "Self-organised cytoplasmic streaming on a cylinder",
-        **origin(),
+        "title": run.model.title,
+        **origin(run.model.source),
         "schema": SCHEMA,
-        "length": run.grid.length,
+        **run.model.attributes(run.grid),
         "configuration": asked,
         "configuration_sha256": hashlib.sha256(asked.encode()).hexdigest(),
         "initial_sha256": run.provenance.get("initial_sha256", ""),
@@ -69,8 +73,8 @@ def attributes(run: Trajectory) -> dict[str, Any]:
     }
 
 
-def origin() -> dict[str, str]:
-    """Return the attributes that say which program made a file, of which versions, and when."""
+def origin(source: str = polar.source) -> dict[str, str]:
+    """Return the attributes that say which program made a file, with which versions, and when."""
     versions = {
         "cyclosis": __version__,
         "jax": jax.__version__,
@@ -78,7 +82,7 @@ def origin() -> dict[str, str]:
         "python": platform.python_version(),
     }
     return {
-        "source": "Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110",
+        "source": source,
         "program": "cyclosis",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions),

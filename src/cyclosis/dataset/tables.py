@@ -1,27 +1,30 @@
-"""Results of theory as files: NetCDF, or a table of what has one value a row."""
+"""Results of theory as files: NetCDF, or a table of the variables with one value per row."""
 
 from __future__ import annotations
 
-import contextlib
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..model.errors import InputError
+from .guarded import GuardedFile
+from .place import vacate
 from .provenance import origin
+from .whole import whole
 
 if TYPE_CHECKING:
     import xarray
 
 SUFFIXES = (".nc", ".csv")
-"""What a file of numbers may end in."""
+"""Suffixes of files of numbers."""
 
 
 def write_table(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> Path:
-    """Write a dataset of theory and return the path: .nc with all of it, .csv with its main columns.
+    """Write a dataset of theory and return the path: .nc with all variables, .csv with its main columns.
 
-    The columns are the variables over the first dimension alone. The file appears whole or not at all. Raises
-    `InputError` for other suffixes and for places that cannot be written to.
+    The columns are the variables over the first dimension only. The file is written completely or not at all,
+    and replaces whatever exists at `path`, including the parts of an unfinished run. Raises `InputError` for
+    other suffixes, for paths that cannot be written to, and if a run is being written there.
 
     Example:
         >>> import cyclosis as cy
@@ -33,20 +36,28 @@ def write_table(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> Path:
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:
         raise InputError("out", str(target), "a file name that ends in .nc or .csv", "change its suffix")
-    beside = target.with_name(f".{target.name}.{os.getpid()}.new")
     try:
-        if target.suffix.lower() == ".nc":
-            dataset.assign_attrs(origin()).to_netcdf(beside, engine="h5netcdf")
-        else:
-            _columns(dataset).to_csv(beside)
-        os.replace(beside, target)
+        with whole(target) as beside:
+            if target.suffix.lower() == ".nc":
+                _netcdf(dataset.assign_attrs(origin()), beside)
+            else:
+                _columns(dataset).to_csv(beside)
+            vacate(target)
     except OSError as error:
         remedy = f"choose another ({error.strerror or error})"
         raise InputError("out", str(target), "a place that can be written to", remedy) from error
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink(missing_ok=True)
     return target
+
+
+def _netcdf(dataset: xarray.Dataset, target: Path) -> None:
+    """Write a NetCDF file. Raises `OSError` if the disk is full, where HDF5 alone would crash."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    with GuardedFile(target) as guarded:
+        with h5netcdf.File(guarded, "w") as file:
+            dataset.dump_to_store(H5NetCDFStore(file))
+        guarded.sync()
 
 
 def _columns(dataset: xarray.Dataset) -> Any:

@@ -40,7 +40,7 @@ def map_of(P: npt.NDArray[np.float64], length: float) -> str:
     """
     from PIL import Image
 
-    values, colours = zip(*diverging(PURPLE, GREEN), strict=True)
+    values, colours = zip(*diverging(GREEN, PURPLE), strict=True)
     rgb = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in colours])
     shown = np.clip(P[1].T[::-1], -1.0, 1.0)
     pixels = np.stack([np.interp(shown, values, rgb[:, k]) for k in range(3)], axis=-1)

@@ -1,8 +1,8 @@
 """Many steps in one compiled loop: step control, exact landing, and the reasons to stop.
 
-Desired steps come from the ladder 2^{j/2}. Towards a target time (a frame to be saved, say) the
-remaining interval is cut into equal steps no longer than the rung, so that it is hit exactly, the
-coefficients of a step are reused, and the length wanted next is not forgotten.
+Desired steps are on the ladder 2^{j/2}. The interval to a target time (such as that of a frame) is cut into
+equal steps no longer than the rung, so that the target is hit exactly, the coefficients of a step are reused,
+and the desired length is kept beyond the target.
 """
 
 from __future__ import annotations
@@ -12,19 +12,33 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
-from ..model.system import System
+from ..contract.system import System
 from .steppers import METHODS, Method
 
 FIRST_RUNG, LOWEST_RUNG, HIGHEST_RUNG = -8, -46, 40
 SAFETY = 0.9
 MAX_RISE, MAX_FALL = 2, 8
-DIVERGED = 1.0 + 1e-2
-"""Magnitude |P| beyond which a run has diverged: |P| <= 1 is invariant in the exact dynamics."""
+USUAL_STEP = 0.1
+"""Default step (R/U) of a fixed stepper without a limit of stability."""
+NEVER = -1.0
+"""A rate of change that no state falls below, not even a constant one."""
+CALM = 10.0
+"""Time (R/U) for which the relative rate of change must have stayed low and not grown for a steady run."""
+RISE = 1.1
+"""A rate has grown if it exceeds its least value by this factor: about e^(0.01 CALM), so that a
+perturbation that grows at 0.01 or faster and makes up most of the rate is noticed."""
+ROUNDING, SOLVING = 100.0, 10.0
+"""Errors of a rate, in units of the precision of P and of `atol`: smaller increases do not count."""
 
 
-class Progress(NamedTuple):
-    """Where a run stands: all that is needed to go on bitwise the same."""
+class StepperState(NamedTuple):
+    """The state of a run: all that is needed to continue it bit for bit.
+
+    `calm_since` is the time since when the rate of change has stayed below `Control.steady_rate` and has not
+    grown, infinite while it is above; `least_rate` is the least rate since then.
+    """
 
     t: Any
     spectrum: Any
@@ -38,29 +52,38 @@ class Progress(NamedTuple):
     peak: Any
     rate: Any
     failed: Any
+    calm_since: Any = np.float64(np.inf)
+    least_rate: Any = np.float64(np.inf)
 
 
 class Control(NamedTuple):
-    """What steers the steps.
+    """What controls the steps.
 
-    Tolerances, the fixed step `dt`, the relative rate that counts as steady, and the |P| beyond which a run
-    has diverged.
+    Tolerances, the fixed step `dt`, the relative rate below which a run may become steady, and the |P| beyond
+    which it has diverged.
     """
 
     rtol: Any
     atol: Any
     dt: Any
     steady_rate: Any
-    bound: Any = DIVERGED
+    bound: Any
+
+    @classmethod
+    def of(
+        cls, rtol: float, atol: float, bound: float, dt: float = USUAL_STEP, steady_rate: float = NEVER
+    ) -> Control:
+        """Return the control with these numbers, as arrays: changing them recompiles nothing."""
+        return cls(np.float64(rtol), np.float64(atol), np.float64(dt), np.float64(steady_rate), bound)
 
 
 @jax.jit
-def start(system: System, spectrum: jax.Array, t: Any) -> Progress:
-    """Return the `Progress` of a run that begins at time t."""
+def start(system: System, spectrum: jax.Array, t: Any) -> StepperState:
+    """Return the `StepperState` of a run that begins at time t."""
     now = system.at(spectrum, t)
     nonlinear = system.nonlinear(now)
     zero = jnp.asarray(0, jnp.int64)
-    return Progress(
+    return StepperState(
         t,
         spectrum,
         nonlinear,
@@ -70,9 +93,11 @@ def start(system: System, spectrum: jax.Array, t: Any) -> Progress:
         zero + 1,
         zero,
         zero,
-        jnp.max(jnp.abs(now.p)).astype(jnp.float64),
-        _relative_rate(system.linear(), spectrum, nonlinear),
+        jnp.sqrt(system.peak(now)).astype(jnp.float64),
+        _relative_rate(system, system.linear(), spectrum, nonlinear),
         jnp.asarray(False),
+        jnp.asarray(jnp.inf, jnp.float64),
+        jnp.asarray(jnp.inf, jnp.float64),
     )
 
 
@@ -80,22 +105,21 @@ def start(system: System, spectrum: jax.Array, t: Any) -> Progress:
 def advance(
     system: System,
     control: Control,
-    progress: Progress,
+    progress: StepperState,
     target: Any,
     max_steps: Any,
     method: Method = METHODS["adaptive"],
-) -> Progress:
-    """Step on until `target` is reached, the state is steady, a step fails, or `max_steps` are tried."""
+) -> StepperState:
+    """Make steps until `target` is reached, the state is steady, a step fails, or `max_steps` are tried."""
     linear = system.linear()
     first = progress.accepted + progress.rejected
 
-    def unfinished(carry: tuple[Progress, Any, Any]) -> Any:
+    def unfinished(carry: tuple[StepperState, Any, Any]) -> Any:
         now = carry[0]
         tried = now.accepted + now.rejected - first
-        moving = (now.rate > control.steady_rate) | (now.accepted == 0)
-        return (now.t < target) & ~now.failed & moving & (tried < max_steps)
+        return (now.t < target) & ~now.failed & ~is_steady(now) & (tried < max_steps)
 
-    def body(carry: tuple[Progress, Any, Any]) -> tuple[Progress, Any, Any]:
+    def body(carry: tuple[StepperState, Any, Any]) -> tuple[StepperState, Any, Any]:
         now, tabulated, coefficients = carry
         now = _aim(now, control, target, method.adaptive)
         coefficients = jax.lax.cond(
@@ -109,11 +133,27 @@ def advance(
     return jax.lax.while_loop(unfinished, body, carry)[0]
 
 
-def _aim(now: Progress, control: Control, target: Any, adaptive: bool) -> Progress:
-    """Cut the way to the target into equal steps, where the run has no steps left on such a way."""
+def is_steady(now: StepperState) -> Any:
+    """Return whether the rate of change has stayed low, and has not grown, for the time `CALM`."""
+    return now.t - now.calm_since >= CALM
+
+
+def _calm(control: Control, now: StepperState, t: Any, rate: Any, noise: Any) -> tuple[Any, Any]:
+    """Return `calm_since` and `least_rate` after a step to time t; `noise` is the error of the rate."""
+    low = rate <= control.steady_rate
+    grown = rate > RISE * now.least_rate + noise
+    goes_on = low & ~grown & jnp.isfinite(now.calm_since)
+    since = jnp.where(goes_on, now.calm_since, jnp.where(low, t, jnp.inf))
+    least = jnp.where(goes_on, jnp.minimum(now.least_rate, rate), jnp.where(low, rate, jnp.inf))
+    return since, least
+
+
+def _aim(now: StepperState, control: Control, target: Any, adaptive: bool) -> StepperState:
+    """Cut the interval to the target into equal steps, unless some of an earlier cut are left."""
     wanted = length(now.rung) if adaptive else control.dt
     left = jnp.maximum(jnp.ceil((target - now.t) / wanted - 1e-9), 1.0).astype(jnp.int64)
     h = (target - now.t) / left
+    # A length that differs only by rounding is kept, so that its coefficients are reused.
     h = jnp.where(jnp.abs(h - now.h) < 1e-12 * h, now.h, h)
     fresh = now.left == 0
     return now._replace(h=jnp.where(fresh, h, now.h), left=jnp.where(fresh, left, now.left))
@@ -122,23 +162,26 @@ def _aim(now: Progress, control: Control, target: Any, adaptive: bool) -> Progre
 def one_step(
     system: System,
     control: Control,
-    now: Progress,
+    now: StepperState,
     target: Any,
     linear: Any,
     c: Any,
     method: Method = METHODS["adaptive"],
-) -> Progress:
+) -> StepperState:
     """Try a step of length `now.h` with its coefficients, and choose the rung of the next."""
     result = method.step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
-    rate = _relative_rate(linear, result.spectrum, result.nonlinear)
+    rate = _relative_rate(system, linear, result.spectrum, result.nonlinear)
     bounded = (result.peak <= control.bound**2) & jnp.isfinite(rate)  # False for NaN as well
     if method.adaptive:
-        error = _rms(result.error) / _tolerance(control, now, _rms(result.spectrum))
+        error = system.size(result.error) / _tolerance(control, now, system.size(result.spectrum))
         good = bounded & (error <= 1.0)
-        # The length that would just meet the tolerance; a clipped step says nothing against its rung.
+        # h times `factor` would meet the tolerance, with some margin. The estimate is that of a solution of
+        # one order less, so that it scales as h^order: hence the exponent -1/order.
         factor = jnp.where(bounded, SAFETY * jnp.maximum(error, 1e-12) ** (-1.0 / method.order), 0.0)
         fitting = jnp.floor(2.0 * jnp.log2(jnp.maximum(factor * now.h, 1e-30)) + 1e-9).astype(jnp.int64)
+        # A step cut short by the target may be shorter than its rung: that alone does not lower the rung.
         kept = jnp.where(factor >= 1.0, jnp.maximum(fitting, now.rung), fitting)
+        # A rejected step is followed by one at least a rung below the length that was tried.
         tried = jnp.floor(2.0 * jnp.log2(now.h) + 1e-9).astype(jnp.int64)
         rung = jnp.where(
             good,
@@ -152,17 +195,21 @@ def one_step(
     arrived = now.left <= 1
     t = jnp.where(good, jnp.where(arrived, target, now.t + now.h), now.t)
     onward = jnp.where(good, now.left - 1, now.left)
+    noise = _rounding(result.spectrum)
+    if method.adaptive:
+        noise += SOLVING * control.atol / jnp.maximum(system.size(result.spectrum), 1e-300)
+    calm_since, least_rate = _calm(control, now, t, rate, noise)
 
     def pick(new: Any, old: Any) -> Any:
         return jnp.where(good, new, old)
 
-    return Progress(
+    return StepperState(
         t=t,
         spectrum=pick(result.spectrum, now.spectrum),
         nonlinear=pick(result.nonlinear, now.nonlinear),
         rung=rung,
         h=now.h,
-        # Zero asks for a new cut of the way to the target.
+        # Zero requests a new cut of the interval to the target.
         left=jnp.where((rung != now.rung) | ~good, 0, onward),
         evaluations=now.evaluations + method.evaluations,
         accepted=now.accepted + good,
@@ -170,18 +217,25 @@ def one_step(
         peak=pick(jnp.maximum(jnp.sqrt(result.peak).astype(jnp.float64), now.peak), now.peak),
         rate=pick(rate, now.rate),
         failed=failed & ~good,
+        calm_since=pick(calm_since, now.calm_since),
+        least_rate=pick(least_rate, now.least_rate),
     )
 
 
-def _tolerance(control: Control, now: Progress, size: Any) -> Any:
+def _tolerance(control: Control, now: StepperState, size: Any) -> Any:
     """Return the error allowed in a step.
 
-    Where a steady state is sought, the error must also stay below a tenth of the step's own change:
-    otherwise steps grow until their errors keep the state from settling.
+    If the run is to stop when steady, the error must also stay below a tenth of the change in the step:
+    otherwise steps grow until their errors keep the state from settling, and hide growing perturbations.
     """
     allowed = control.atol + control.rtol * size
-    change = now.h * jnp.maximum(now.rate, control.steady_rate) * size
+    change = now.h * jnp.maximum(now.rate, _rounding(now.spectrum)) * size
     return jnp.where(control.steady_rate > 0, jnp.minimum(allowed, control.atol + 0.1 * change), allowed)
+
+
+def _rounding(spectrum: jax.Array) -> float:
+    """Return the rounding error of a relative rate of change at the precision of P."""
+    return ROUNDING * float(np.finfo(spectrum.dtype).eps)
 
 
 def length(rung: Any) -> Any:
@@ -189,10 +243,5 @@ def length(rung: Any) -> Any:
     return 2.0 ** (0.5 * rung)
 
 
-def _rms(spectrum: jax.Array) -> Any:
-    """Root mean square of |P| from its packed spectrum (Parseval)."""
-    return jnp.sqrt(jnp.sum(jnp.abs(spectrum) ** 2, dtype=jnp.float64)) / spectrum.size
-
-
-def _relative_rate(linear: Any, spectrum: jax.Array, nonlinear: jax.Array) -> Any:
-    return _rms(linear * spectrum + nonlinear) / jnp.maximum(_rms(spectrum), 1e-300)
+def _relative_rate(system: System, linear: Any, spectrum: jax.Array, nonlinear: jax.Array) -> Any:
+    return system.size(linear * spectrum + nonlinear) / jnp.maximum(system.size(spectrum), 1e-300)

@@ -1,4 +1,4 @@
-"""Saved fields: kept in memory while they are few, in a temporary file once they are many."""
+"""Saved fields: in memory while they are few, in a temporary file once they are many."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MEMORY_LIMIT = 256 * 2**20
 class Frames:
     """A growing sequence of arrays of one shape and type, read back one by one.
 
-    The first `elsewhere` frames are counted but not held: they stand in a file that the run streams to.
+    The first `elsewhere` frames are counted but not held: they are in the file that the run streams to.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Frames:
         self._count += 1
 
     def copy(self) -> Frames:
-        """Return a sequence that starts with these frames and grows apart from them."""
+        """Return a sequence that starts with these frames and grows separately."""
         other = Frames(self.shape, self.dtype, self._limit, self.elsewhere)
         for index in range(self.elsewhere, len(self)):
             other.append(self[index])
@@ -68,7 +68,7 @@ class Frames:
             raise IndexError(f"frame {index} of {len(self)}")
         index = index % len(self) - self.elsewhere
         if index < 0:
-            raise IndexError(f"frame {index + self.elsewhere} stands in the file that the run was written to")
+            raise IndexError(f"frame {index + self.elsewhere} is in the file that the run was written to")
         if self._file is None:
             return self._memory[index]
         self._file.seek(index * self._bytes)

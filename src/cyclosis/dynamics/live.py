@@ -1,29 +1,28 @@
-"""A run whose protocol is still being written: followed frame by frame, it takes steps as they come.
+"""A run whose protocol is still being written: integrated frame by frame, it takes steps as they arrive.
 
-What it comes to is, bit for bit, what `simulate` computes with the protocol that it has at the end, saving
-every `every`: it lands on the same times, and no stage of a course depends on what comes later.
+Its result equals bit for bit that of `simulate` with its final protocol, saving every `every`: it lands on
+the same times, and no stage of a course depends on later steps.
 """
 
 from __future__ import annotations
 
-import time as clock
+import copy
 from collections.abc import Mapping
 from typing import Any
 
 import jax
-import numpy as np
 import numpy.typing as npt
 
-from ..analysis.diagnostics import measure
+from ..contract.model import Array, Model
 from ..model.errors import InputError
-from ..model.grid import Array, CylinderGrid
-from ..model.parameters import Parameters
+from ..model.instants import instant
 from ..model.precision import double
-from ..model.system import flow_spectrum
-from .advance import Control, Progress, advance, start
+from ..model.wording import beside
+from ..models import polar
+from .advance import Control, StepperState
 from .course import Course
+from .follow import Follower
 from .protocol import Protocol
-from .run import NEVER
 from .settings import Settings
 
 SLICE_SECONDS = 0.05
@@ -31,94 +30,90 @@ SLICE_SECONDS = 0.05
 
 
 class Live:
-    """A cell under way, at a frame or between two of them.
+    """A running cell, at a frame or between two of them.
 
     `params`, `grid`, and the initial `state` (2, n_theta, n_z) are those of `simulate`; frames are `every`
-    apart, dimensionless (R/U). `protocol` is what is to be done so far. Raises `InputError` as `simulate`.
+    apart, dimensionless (R/U). `protocol` is what is to be done, as far as it is known. Raises
+    `InputError` as `simulate`.
     """
 
     def __init__(
         self,
-        params: Parameters,
-        grid: CylinderGrid,
+        params: Any,
+        grid: Any,
         state: npt.ArrayLike,
         every: float,
         protocol: Protocol | None = None,
+        model: Model = polar,
     ) -> None:
         every = Settings(save_every=every).save_every
         self.how = Settings(t_end=every, save_every=every)
         self.params, self.grid, self.every = params, grid, self.how.save_every
         self.frame, self.failed = 0, False
-        P = grid.check_state(state, "the initial state", bounded=True)
+        P = model.check_state(grid, state, "the initial state")
+        self.problem = model.problem(params, grid, None, self.how.dealias, self.how.precision, P.shape)
         self._take(protocol or Protocol())
-        cell = self.course.system(0)
-        self._done, self._steps = 0, 8
-        self._after: Array | None = None
-        self._before: Progress | None = None
-        numbers = (np.float64(x) for x in (self.how.rtol, self.how.atol, 0.1, NEVER))
-        self._control = Control(*numbers)
+        self._before: StepperState | None = None
         with double():
-            self._cell = jax.device_put(cell)
-            self._now = start(self._cell, cell.spectrum(P), np.float64(0.0))
+            control = Control.of(self.how.rtol, self.how.atol, model.bound)
+            self._follower = Follower(self.course, control, seconds=SLICE_SECONDS)
+            self._follower.begin(model.modes(self.course.system(0), P))
             self._intervene()
 
     @property
     def t(self) -> float:
         """The time reached, dimensionless."""
-        return float(self._now.t)
+        return self._follower.t
 
     @property
     def at_frame(self) -> bool:
-        """Whether the time reached is that of a frame, at which steps are taken."""
+        """Whether the time reached is that of a frame, at which steps of the protocol are accepted."""
         return self.t == self._time_of(self.frame)
 
     @property
     def protocol(self) -> Protocol:
-        """What was done so far and what is still to be done."""
+        """What was done so far and what remains to be done."""
         return self.course.protocol
 
     @property
-    def params_now(self) -> Parameters:
-        """The parameters in force."""
+    def params_now(self) -> Any:
+        """The current parameters."""
         return self.course.schedule.params_at(self.t)
 
     @property
     def state(self) -> Array:
-        """P now, shape (2, n_theta, n_z)."""
-        if self._after is not None:
-            return self._after
-        return self._cell.state(np.asarray(self._now.spectrum))
+        """The state now, of the shape of the first."""
+        return self._follower.state
 
     def flow(self) -> Array:
         """Return the flow now, shape (2, n_theta, n_z)."""
+        now, flow = self._follower.now, self.problem.model.flow
+        if flow is None:
+            raise InputError("model", self.problem.model.name, "one with a flow", "choose another")
         with double():
-            return self._cell.state(flow_spectrum(self._cell, self._now.spectrum, self._now.t))
+            return flow(self._follower.system, now.spectrum, now.t)
 
     def record(self) -> Mapping[str, Any]:
         """Return the quantities of `cyclosis.diagnostics.QUANTITIES` now, by name."""
+        now = self._follower.now
         with double():
-            return jax.device_get(measure(self._cell, self._now.spectrum, self._now.t))
+            return jax.device_get(self.problem.model.measure(self._follower.system, now.spectrum, now.t))
 
     def forward(self) -> bool:
-        """Compute on for a moment, towards the next frame; return whether it is reached.
+        """Compute one stretch towards the next frame; return whether it is reached.
 
-        A run that can go no further has `failed` and stays where it is.
+        A run that cannot continue has `failed` and stays at its time.
         """
         if self.failed:
             return False
         frame = self._time_of(self.frame + 1)
-        events = (t for t in self.course.times[self._done :] if t > self.t)
-        target = min(frame, next(events, frame))
-        control = self._control._replace(bound=self.course.bound(self._done))
+        target = min([frame, *self.course.times[self._follower.done :]])
         with double():
-            began = clock.perf_counter()
-            now = advance(self._cell, control, self._now, np.float64(target), np.int64(self._steps))
-            now.t.block_until_ready()
-            spent = clock.perf_counter() - began
-            self._steps = int(np.clip(self._steps * SLICE_SECONDS / spent, 1, 4096))
-            if float(now.t) != self.t:
-                self._after, self._before = None, None
-            self._now, self.failed = now, bool(now.failed)
+            began = self.t
+            self._follower.advance(target)
+            if self.t != began:
+                self._before = None
+            self.failed = self._follower.failed
             if not self.failed and self.t == target:
                 self._intervene()
         if self.t == frame and not self.failed:
@@ -126,17 +121,24 @@ class Live:
             return True
         return False
 
-    def do(self, protocol: Protocol) -> None:
-        """Go on under a protocol that has more steps than that so far, at the time reached or later.
+    def copy(self) -> Live:
+        """Return a run that starts where this one is and continues apart from it."""
+        other = copy.copy(self)
+        other._follower = copy.copy(self._follower)
+        return other
 
-        Raises `InputError` for steps in the past or where time stands between two frames, and leaves
-        everything as it was.
+    def do(self, protocol: Protocol) -> None:
+        """Continue under a protocol with further steps, at the time reached or later.
+
+        Raises `InputError` for steps in the past or if the time is between two frames, and then changes
+        nothing.
         """
         old, new = list(self.protocol), list(protocol)
         past = [step for step in new if step.at < self.t]
         if past != [step for step in old if step.at < self.t] or protocol.seed != self.protocol.seed:
             if late := [step.at for step in past if step not in old]:
-                raise InputError("at", late[0], f"at least {self.t:g}, the time reached", "move it there")
+                rule = f"at least {beside(self.t, late[0])}, the time reached"
+                raise InputError("at", late[0], rule, "move it there")
             rule = "that so far, with the same seed and the steps already done"
             found = f"{len(new)} steps, seed {protocol.seed}"
             raise InputError("protocol", found, rule, "add steps to `protocol`")
@@ -144,25 +146,21 @@ class Live:
             raise InputError("at", self.t, "the time of a frame", "go forward to the next frame first")
         self._take(protocol)
         with double():
-            if self._before is not None:  # what was done at this time is done again, together with the new
-                self._now = self._before
-            self._done = sum(t < self.t for t in self.course.times)
-            self._cell = jax.device_put(self.course.system(self._done))
-            self._after = None
+            # What was done at this time is done again, together with the new steps.
+            now = self._follower.now if self._before is None else self._before
+            self._follower.take_up(now, sum(t < self.t for t in self.course.times), self.course)
             self._intervene()
         self.failed = False
 
     def _take(self, protocol: Protocol) -> None:
-        self.course = Course(self.params, self.grid, protocol, None, self.how.dealias, self.how.precision)
+        self.course = Course(self.problem, protocol)
 
     def _intervene(self) -> None:
         """Do what the protocol does at the time reached."""
-        while self._done < len(self.course.times) and self.course.times[self._done] == self.t:
-            self._before = self._before or self._now
-            self._now, note = self.course.intervene(self._now, self._done)
-            self._done += 1
-            self._cell = jax.device_put(self.course.system(self._done))
-            self._after = note.after if note is not None else self._after
+        before, done = self._follower.now, self._follower.done
+        self._follower.intervene()
+        if self._follower.done > done and self._before is None:
+            self._before = before
 
     def _time_of(self, frame: int) -> float:
-        return float(np.round(self.every * frame, 12))
+        return instant(self.every * frame)

@@ -1,4 +1,4 @@
-"""A protocol: what is done to a running cell, and when. Only values; `schedule` says what they mean.
+"""A protocol: what is done to a running cell, and when. Only values; `schedule` gives them meaning.
 
     protocol = Protocol(
         change(at=100.0, alpha_p=0.0),
@@ -19,6 +19,7 @@ from typing import Any
 from ..model.definitions import PARAMETERS
 from ..model.errors import InputError, whole
 from ..model.regions import Region
+from ..model.wording import beside
 from .steps import Align as Align
 from .steps import Change as Change
 from .steps import Depolymerise as Depolymerise
@@ -30,11 +31,11 @@ from .steps import step_from_table as step_from_table
 
 MOST_STEPS = 1000
 LONGEST = 50_000
-"""Characters that a protocol may take in a file: all that was asked for stands in one attribute of 64 kB."""
+"""Characters that a protocol may take in a file: the whole configuration is in one attribute of 64 kB."""
 
 
 def change(at: float, *, over: float = 0.0, where: Region | None = None, **values: Any) -> Step:
-    """Return the step that gives parameters other values at a time, or linearly from then on over a time.
+    """Return the step that sets parameters to other values at a time, or linearly over a time from then on.
 
     `at` and `over` are in R/U, here and below. In a region only `alpha_p`, `alpha_u`, `kappa` and
     `repulsion_angle` can change. Raises `InputError` for values that `Parameters` would refuse.
@@ -75,7 +76,7 @@ def fragment(
 
 
 def depolymerise(at: float, *, keep: float = 0.0, where: Region | None = None) -> Step:
-    """Return the step that multiplies P by `keep`, from 0 to 1; others raise `InputError`.
+    """Return the step that multiplies P by `keep`, from 0 to 1; other values raise `InputError`.
 
     Example:
         >>> import cyclosis as cy
@@ -89,7 +90,7 @@ def depolymerise(at: float, *, keep: float = 0.0, where: Region | None = None) -
 
 
 def align(at: float, *, angle: float, magnitude: float = 0.9, where: Region | None = None) -> Step:
-    """Return the step that sets P to one direction, `angle` radians from e_theta: π/2 is up the cell.
+    """Return the step that sets P to one direction, `angle` radians from e_theta: π/2 is along e_z.
 
     Raises `InputError` for values out of range.
 
@@ -130,7 +131,7 @@ def noise(
 def wash_out(at: float, *, over: float = 0.0) -> Step:
     """Return the step that returns all parameters to those of the run, at once or linearly over a time.
 
-    What is true or false (`zero_theta_flux`) returns at once. Raises `InputError` for times out of range.
+    A flag (`zero_theta_flux`) returns at once. Raises `InputError` for times out of range.
 
     Example:
         >>> import cyclosis as cy
@@ -149,9 +150,9 @@ class Protocol:
 
     A step of seed k (by default 1, 2, ... for the random steps in turn) draws from
     `numpy.random.default_rng(SeedSequence(seed, spawn_key=(k,)))`: none of these streams is that of the
-    initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for what is no
-    step, for more than 1000 of them or more than a file can hold, and for a parameter that is changed while a
-    ramp of it is under way.
+    initial state of the same seed. In a sweep `seed` is the member's. Raises `InputError` for anything that
+    is not a step, for more than 1000 steps or more than a file can hold, and for a parameter that is changed
+    during its ramp.
 
     Example:
         >>> import cyclosis as cy
@@ -174,7 +175,9 @@ class Protocol:
     def __init__(self, *steps: Step, seed: int = 0) -> None:
         for step in steps:
             if not isinstance(step, Step):
-                raise InputError("protocol", step, "made of steps", "make them with cyclosis.change, say")
+                raise InputError(
+                    "protocol", step, "made of steps", "make them with cyclosis.change, for example"
+                )
         if len(steps) > MOST_STEPS:
             raise InputError(
                 "protocol", f"{len(steps)} steps", f"at most {MOST_STEPS} steps", "leave out some"
@@ -185,7 +188,7 @@ class Protocol:
         object.__setattr__(self, "steps", seeded)
         size = len(json.dumps(self.as_tables()))
         if size > LONGEST:
-            rule = f"at most {LONGEST} characters long as it is stored"
+            rule = f"at most {LONGEST} characters long when stored"
             raise InputError(
                 "protocol", f"{size} characters", rule, "use fewer or simpler images and regions"
             )
@@ -193,7 +196,7 @@ class Protocol:
 
     @classmethod
     def from_tables(cls, tables: Any, seed: int = 0) -> Protocol:
-        """Return the protocol that a list of tables describes, as [[protocol]] would hold them.
+        """Return the protocol that a list of tables describes, as [[protocol]] would contain them.
 
         Raises `InputError` for any mistake in it, naming the step.
         """
@@ -209,7 +212,7 @@ class Protocol:
         return cls(*steps, seed=seed)
 
     def as_tables(self) -> list[dict[str, Any]]:
-        """Return the steps as plain tables (fit for JSON), from which `from_tables` makes them again."""
+        """Return the steps as plain tables (fit for JSON), from which `from_tables` recreates them."""
         return [step.as_table() for step in self.steps]
 
     def with_seed(self, seed: int) -> Protocol:
@@ -253,7 +256,8 @@ def _refuse_overlaps(steps: tuple[Step, ...]) -> None:
         for name in (item.name for item in PARAMETERS if item.name in names):
             begin, end = ends.get(name, (0.0, 0.0))
             if step.at < end:
-                rule = f"at least {end:g}, the end of the ramp of {name} that begins at {begin:g}"
+                least = beside(end, step.at)
+                rule = f"at least {least}, the end of the ramp of {name} that begins at {begin:g}"
                 raise InputError(f"at of {step.action}", step.at, rule, "let one change end before the next")
             until = step.at if name == "zero_theta_flux" else step.until  # a flag changes at once
             if until > end:

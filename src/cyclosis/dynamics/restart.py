@@ -1,4 +1,4 @@
-"""What a run needs to go on bitwise as if it had never stopped."""
+"""What a run needs to continue bit for bit as if it had never stopped."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
-from .advance import Progress
+from .advance import StepperState
 
 
 @dataclass(frozen=True, eq=False)
 class Restart:
-    """The stepper's whole state, and what the run has noticed so far.
+    """The stepper's whole state, and what the run has found so far.
 
-    `progress` holds the fields of `Progress` (spectral state, its nonlinear part, step control and
+    `progress` holds the fields of `StepperState` (spectral state, its nonlinear part, step control and
     counters) by name; `sign_time` and `sign` the first sign of an underresolved run; `wall_time` the
     seconds spent; `done` the number of the protocol's events that are done.
     """
@@ -34,12 +34,14 @@ class Restart:
 
     @classmethod
     def of(
-        cls, now: Progress, sign_time: float | None, sign: str, wall_time: float, done: int = 0
+        cls, now: StepperState, sign_time: float | None, sign: str, wall_time: float, done: int = 0
     ) -> Restart:
-        """Return the restart of a running calculation."""
+        """Return the restart of a run."""
         arrays = {name: np.asarray(value) for name, value in now._asdict().items()}
         return cls(arrays, sign_time, sign, wall_time, done)
 
-    def to_progress(self) -> Progress:
-        """Return the `Progress` to go on from; call in double precision."""
-        return Progress(**{name: jnp.asarray(value) for name, value in self.progress.items()})
+    def to_stepper_state(self) -> StepperState:
+        """Return the `StepperState` to continue from; call in double precision."""
+        # A run that an earlier version stored lacks some fields: they get their defaults.
+        whole = StepperState(**self.progress)._asdict()
+        return StepperState(**{name: jnp.asarray(value) for name, value in whole.items()})

@@ -1,4 +1,4 @@
-"""The course of one run: towards its saved times, chunk by chunk, watching for trouble."""
+"""One run: integrated to its saved times in stretches, with checks of resolution, signals and checkpoints."""
 
 from __future__ import annotations
 
@@ -7,35 +7,29 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import jax
 import numpy as np
-import numpy.typing as npt
 
-from ..analysis.diagnostics import TAIL_FRACTION, measure
-from ..model.grid import Array
-from ..model.spectral import dtypes
-from ..model.system import System
-from .advance import Control, Progress, advance, start
+from ..contract.model import Array
+from ..model.instants import instant
+from ..model.precision import dtypes
+from .advance import NEVER, USUAL_STEP, Control
 from .course import Course, Intervention
+from .follow import Follower
 from .frames import Frames
 from .interrupts import Interrupts
 from .restart import Restart
 from .settings import Settings
-from .steppers import METHODS
+from .steppers import METHODS, Method
 from .trajectory import Effort, Status, Trajectory
+from .verdicts import message
+from .watch import Watch
 
-UNDERRESOLVED_TAIL = 1e-2
-"""Spectral tail (see the diagnostics) above which a run is marked underresolved."""
-NOISE_DECAY = 1e-8
-"""The tail is judged once diffusion alone has damped the initial noise in it by this factor."""
 CHUNK_SECONDS = 0.2
-NEVER = -1.0
-"""A rate that no state falls below, not even one that does not change at all."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What a progress callback sees: the time reached, the end, the state, and the seconds spent.
+    """What a progress callback gets: the time reached, the end, the state, and the seconds spent.
 
     Example:
         >>> import cyclosis as cy
@@ -52,39 +46,6 @@ class Snapshot:
     wall_time: float
 
 
-class Watch:
-    """The first sign of an under-resolved run: a heavy spectral tail or an overshoot of |P| = 1."""
-
-    def __init__(self, cell: System, settings: Settings) -> None:
-        self.patience = _decay_time(cell)
-        self.blind_until = 0.0
-        # Steps of finite accuracy may overshoot by about their tolerance; more is the grid's doing.
-        self.overshoot = 1.0 + 1e-6 + (settings.rtol if METHODS[settings.stepper].adaptive else 0.0)
-        self.time: float | None = None
-        self.sign = ""
-
-    def disturbed(self, t: float, cell: System) -> None:
-        """Look away until what an intervention has left of noise and sharp edges has diffused."""
-        self.blind_until = self.patience = t + _decay_time(cell)
-
-    def look(self, t: float, tail: float, peak: float) -> None:
-        """Take note of a recorded instant."""
-        if self.time is not None or t < self.blind_until:
-            return
-        if t >= self.patience and tail > UNDERRESOLVED_TAIL:
-            self.time, self.sign = t, f"the spectral tail is {tail:.1e} (limit {UNDERRESOLVED_TAIL:g})"
-        elif peak > self.overshoot:
-            self.time, self.sign = t, f"|P| overshoots 1 by {peak - 1:.1e}"
-
-
-def _decay_time(cell: System) -> float:
-    """Return the time in which diffusion alone damps noise in the spectral tail."""
-    k = TAIL_FRACTION * min(float(np.max(cell.space.m)), float(np.max(cell.space.q)))
-    diffuses = any(term.name == "diffusion" for term in cell.terms)
-    damping = float(cell.values.d_s) * k**2 if diffuses else 0.0
-    return -np.log(NOISE_DECAY) / damping if damping > 0 else 0.0
-
-
 class Run:
     """One call of `simulate` or `resume`: begin or restore, then go."""
 
@@ -98,160 +59,149 @@ class Run:
         checkpoint_seconds: float,
     ) -> None:
         self.course, self.how, self.provenance, self.report = course, how, provenance, report
-        self.done, self.interventions = 0, list[Intervention]()
-        cell = course.system(0)
-        self.cell: System = jax.device_put(cell)
+        self.interventions = list[Intervention]()
         self.checkpoint, self.checkpoint_seconds = checkpoint, checkpoint_seconds
         self.began = self.last_checkpoint = clock.perf_counter()
         self.spent = 0.0
-        self.frames, self.times = Frames((2, *course.grid.shape), dtypes(how.precision)[0]), list[float]()
+        self.times = list[float]()
         self.record_times, self.records = list[float](), list[dict[str, Any]]()
-        self.watch = Watch(cell, how)
-        stages = (0,) if METHODS[how.stepper].exact else range(len(course.times) + 1)
-        dt = how.dt or min(default_dt(how, course.system(k)) for k in stages)
-        numbers = (np.float64(x) for x in (how.rtol, how.atol, dt, NEVER))
-        self.control = Control(*numbers)
+        self.watch = Watch(course.problem, course.system(0), how)
+        method = METHODS[how.stepper]
+        rate = NEVER if how.steady_rate is None else how.steady_rate
+        dt = how.dt or default_dt(method, course)
+        control = Control.of(how.rtol, how.atol, course.bound(0), dt, rate)
+        self.follower = Follower(course, control, method, seconds=CHUNK_SECONDS)
 
-    def begin(self, spectrum: npt.NDArray[Any]) -> Progress:
-        """Return the start of a new run at t = 0."""
-        return start(self.cell, spectrum, np.float64(0.0))
+    def begin(self, state: Array) -> Trajectory:
+        """Begin a new run at t = 0, and integrate it as `go` does."""
+        model = self.course.problem.model
+        self.frames = Frames(state.shape, dtypes(self.how.precision)[np.iscomplexobj(state)])
+        self.follower.begin(model.modes(self.course.system(0), state))
+        return self.go()
 
-    def restore(self, run: Trajectory) -> Progress:
-        """Take over what an earlier run saved, and return where it stood."""
+    def restore(self, run: Trajectory) -> Trajectory:
+        """Take over what an earlier run saved, and continue from there as `go` does."""
         self.times, self.record_times = run.times.tolist(), run.record_times.tolist()
         self.frames = run.frames.copy()
         self.records = [{n: v[i] for n, v in run.records.items()} for i in range(run.record_times.size)]
         self.watch.time, self.watch.sign = run.restart.sign_time, run.restart.sign
         self.spent = run.restart.wall_time
-        self.done, self.interventions = run.restart.done, list(run.interventions)
-        self.cell = jax.device_put(self.course.system(self.done))
-        for number in range(self.done):
+        self.interventions = list(run.interventions)
+        self.follower.take_up(run.restart.to_stepper_state(), run.restart.done)
+        if self.interventions:
+            self.follower.note = self.interventions[-1]
+        for number in range(run.restart.done):
             if self.course.schedule.disturbs(number):
                 self.watch.disturbed(self.course.times[number], self.course.system(number + 1))
-        return run.restart.to_progress()
+        return self.go()
 
-    def go(self, now: Progress) -> Trajectory:
-        """Integrate to the end and return the trajectory."""
+    def go(self) -> Trajectory:
+        """Integrate to the end and return the trajectory. Raises KeyboardInterrupt for Ctrl-C."""
         save, record = set(self.how.save_times().tolist()), set(self.how.record_times().tolist())
         status = Status.COMPLETED
-        self._save(now)
+        self._save()
         with Interrupts() as interrupts:
-            for target in self._targets(now):
-                now = self._reach(now, target, interrupts)
-                if float(now.t) < target:
-                    status = self._why(now)
-                    if status is not Status.INTERRUPTED:
-                        self._keep(now, save_field=True)
+            for target in self._targets():
+                self._reach(target, interrupts)
+                if self.follower.t < target:
+                    status = Status.DIVERGED if self.follower.failed else Status.STEADY
+                    self._keep(save_field=True)
                     break
-                now = self._intervene(now)
+                self._intervene()
                 if target in record:
-                    self._keep(now, save_field=target in save)
-        return self.trajectory(now, status)
+                    self._keep(save_field=target in save)
+            run = self.trajectory(status)
+            if interrupts.asked:
+                self._save_and_deliver(run, interrupts)
+        return run
 
-    def _targets(self, now: Progress) -> list[float]:
-        """Times to reach, less those that are behind."""
+    def _targets(self) -> list[float]:
+        """Times still to be reached."""
         times = np.union1d(self.how.record_times(), [self.how.t_end]).tolist()
-        last = self.record_times[-1] if self.record_times else -1.0
-        events = [t for t in self.course.times[self.done :] if t <= self.how.t_end]
-        return sorted({t for t in times if t > last and t >= float(now.t)}.union(events))
+        # Times that an earlier version stored may not be rounded yet.
+        last = instant(self.record_times[-1]) if self.record_times else -1.0
+        now = self.follower
+        events = [t for t in self.course.times[now.done :] if t <= self.how.t_end]
+        return sorted({t for t in times if t > last and t >= instant(now.t)}.union(events))
 
-    def _intervene(self, now: Progress) -> Progress:
-        """Do what the protocol does at the time that is reached."""
-        while self.done < len(self.course.times) and self.course.times[self.done] == float(now.t):
-            now, note = self.course.intervene(now, self.done)
-            self.done += 1
-            self.cell = jax.device_put(self.course.system(self.done))
-            if note is not None:
-                self.interventions.append(note)
-                self.watch.disturbed(note.time, self.cell)
-        return now
+    def _intervene(self) -> None:
+        """Do what the protocol does at the time reached."""
+        note = self.follower.intervene()
+        if note is not None:
+            self.interventions.append(note)
+            self.watch.disturbed(note.time, self.follower.system)
 
-    def _reach(self, now: Progress, target: float, interrupts: Interrupts) -> Progress:
-        method, steps = METHODS[self.how.stepper], 8
-        steady = self.how.steady_rate if self._may_settle() else None
-        control = self.control._replace(
-            steady_rate=np.float64(NEVER if steady is None else steady), bound=self.course.bound(self.done)
-        )
-        while float(now.t) < target and not interrupts.asked:
-            began = clock.perf_counter()
-            now = advance(self.cell, control, now, np.float64(target), np.int64(steps), method)
-            now.t.block_until_ready()
-            steps = int(np.clip(steps * CHUNK_SECONDS / (clock.perf_counter() - began), 1, 4096))
+    def _reach(self, target: float, interrupts: Interrupts) -> None:
+        now = self.follower
+        while now.can_go(target):
+            if interrupts.asked:
+                self._save_and_deliver(self.trajectory(Status.INTERRUPTED), interrupts)
+            now.advance(target)
             try:
                 if self.report is not None:
-                    self.report(Snapshot(float(now.t), self.how.t_end, self._state(now), self._wall()))
-            except KeyboardInterrupt:
-                interrupts.asked = True
-            if bool(now.failed) or self._steady(now):
-                break
-            if clock.perf_counter() - self.last_checkpoint >= self.checkpoint_seconds:
-                self._save(now)
-        return now
+                    self.report(Snapshot(now.t, self.how.t_end, now.state, self._wall()))
+            except KeyboardInterrupt as stop:
+                interrupts.wait(stop)
+            due = clock.perf_counter() - self.last_checkpoint >= self.checkpoint_seconds
+            if due and not now.ended:
+                self._save()
 
-    def _steady(self, now: Progress) -> bool:
-        rate = self.how.steady_rate
-        return rate is not None and self._may_settle() and float(now.rate) <= rate
+    def _save_and_deliver(self, run: Trajectory, interrupts: Interrupts) -> None:
+        """Save, and deliver the deferred signal: a handler of the user may return."""
+        if self.checkpoint is not None:
+            self.checkpoint(run)
+        interrupts.deliver(run)
 
-    def _may_settle(self) -> bool:
-        """Whether nothing more is to be done: until then no state is the last."""
-        return self.done == len(self.course.times)
-
-    def _why(self, now: Progress) -> Status:
-        if bool(now.failed):
-            return Status.DIVERGED
-        return Status.STEADY if self._steady(now) else Status.INTERRUPTED
-
-    def _keep(self, now: Progress, save_field: bool) -> None:
-        t = float(now.t)
-        if self.record_times[-1:] != [t]:  # a run may stop where it has just been recorded
-            record = {name: np.asarray(v) for name, v in measure(self.cell, now.spectrum, now.t).items()}
+    def _keep(self, save_field: bool) -> None:
+        now, t = self.follower.now, self.follower.t
+        if self.record_times[-1:] != [t]:  # a run may stop at a time that was just recorded
+            model = self.course.problem.model
+            found = model.measure(self.follower.system, now.spectrum, now.t)
+            record = {name: np.asarray(value) for name, value in found.items()}
             self.record_times.append(t)
             self.records.append(record)
-            peak = float(record["max_P"])
+            peak = float(record[model.peak])
             if not self.interventions:  # after one, the largest |P| so far may be that of a sharp edge
                 peak = max(peak, float(now.peak))
-            self.watch.look(t, float(record["spectral_tail"]), peak)
+            self.watch.look(t, record, peak)
         if save_field and self.times[-1:] != [t]:
             self.times.append(t)
-            self.frames.append(self._state(now))
+            self.frames.append(self.follower.state)
 
-    def _save(self, now: Progress) -> None:
-        """Hand the run so far to the checkpoint; a run found there was interrupted."""
+    def _save(self) -> None:
+        """Pass the run so far to the checkpoint, as an interrupted one."""
         if self.checkpoint is not None:
-            self.checkpoint(self.trajectory(now, Status.INTERRUPTED))
+            self.checkpoint(self.trajectory(Status.INTERRUPTED))
         self.last_checkpoint = clock.perf_counter()
-
-    def _state(self, now: Progress) -> Array:
-        """Return the state that is reached, to the bit as an intervention left it."""
-        if self.interventions and self.interventions[-1].time == float(now.t):
-            return self.interventions[-1].after
-        return self.cell.state(np.asarray(now.spectrum))
 
     def _wall(self) -> float:
         return self.spent + clock.perf_counter() - self.began
 
-    def trajectory(self, now: Progress, status: Status) -> Trajectory:
-        """Return what the run has come to."""
+    def trajectory(self, status: Status) -> Trajectory:
+        """Return the run so far."""
+        now = self.follower.now
         if status in (Status.COMPLETED, Status.STEADY) and self.watch.time is not None:
             status = Status.UNDERRESOLVED
         t = float(now.t)
         when = self.watch.time if status is Status.UNDERRESOLVED and self.watch.time is not None else t
         names = self.records[0] if self.records else {}
+        problem = self.course.problem
         return Trajectory(
-            params=self.course.params,
-            grid=self.course.grid,
+            model=problem.model,
+            params=problem.params,
+            grid=problem.grid,
             settings=self.how,
-            terms=self.cell.terms,
+            terms=problem.terms,
             times=np.array(self.times),
             frames=self.frames,
             record_times=np.array(self.record_times),
             records={name: np.stack([record[name] for record in self.records]) for name in names},
             status=status,
             status_time=when,
-            message=_message(status, when, self.how, self.watch.sign, self.course.bound(self.done)),
+            message=message(status, when, self.how, self.course, self.follower.done, self.watch.sign),
             t_final=t,
-            final_state=self._state(now),
-            restart=Restart.of(now, self.watch.time, self.watch.sign, self._wall(), self.done),
+            final_state=self.follower.state,
+            restart=Restart.of(now, self.watch.time, self.watch.sign, self._wall(), self.follower.done),
             effort=Effort(int(now.evaluations), int(now.accepted), int(now.rejected), self._wall()),
             provenance=self.provenance,
             protocol=self.course.protocol,
@@ -259,30 +209,12 @@ class Run:
         )
 
 
-def default_dt(how: Settings, cell: System) -> float:
-    """Return the step of a fixed stepper that was given none."""
-    method = METHODS[how.stepper]
+def default_dt(method: Method, course: Course) -> float:
+    """Return the default step of a fixed stepper: one that is stable in all stages."""
     if method.exact:
-        return 0.1
-    stiffest = float(cell.values.d_s) * float(np.max(np.asarray(cell.space.k2))) + float(cell.values.d_r)
-    # The local relaxation, about -2 alpha_p - alpha_u - kappa, adds to the stiffness of diffusion.
-    values = cell.values
-    local = sum(float(np.max(value)) for value in (2 * values.alpha_p, values.alpha_u, values.kappa))
-    return min(0.1, 0.9 * method.stability / (stiffest + local + 1e-12))
-
-
-def _message(status: Status, t: float, how: Settings, sign: str, bound: float) -> str:
-    if status is Status.COMPLETED:
-        return f"Completed: reached t = {t:g}."
-    if status is Status.STEADY:
-        return f"Steady: at t = {t:g} the relative rate of change fell below {how.steady_rate:g}."
-    if status is Status.INTERRUPTED:
-        return f"Interrupted at t = {t:g}: what was saved until then is kept; resume to go on."
-    if status is Status.UNDERRESOLVED:
-        return f"Underresolved from t = {t:g}: {sign}; use more grid points, or dealias."
-    adaptive = METHODS[how.stepper].adaptive
-    cure = "use more grid points" if adaptive else "use a smaller dt or the adaptive stepper"
-    return (
-        f"Diverged after t = {t:g}: |P| would pass {bound:g} or no step is small enough; "
-        f"the last good state is kept; {cure}, or lower epsilon."
+        return USUAL_STEP
+    stiffness = course.problem.model.stiffness
+    stages = range(len(course.times) + 1)
+    return min(
+        min(USUAL_STEP, 0.9 * method.stability / (stiffness(course.system(k)) + 1e-12)) for k in stages
     )

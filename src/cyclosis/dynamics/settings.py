@@ -10,6 +10,8 @@ import numpy as np
 from ..model.definitions import RUN, defaults
 from ..model.errors import InputError
 from ..model.grid import Array
+from ..model.instants import instant
+from ..model.wording import beside
 
 _DEFAULT = defaults("run")
 MAX_FRAMES = 1_000_000
@@ -19,7 +21,8 @@ MAX_FRAMES = 1_000_000
 class Settings:
     """Settings of `simulate`, checked against `cyclosis.model.definitions.RUN`.
 
-    Times are dimensionless (R/U). `terms` are chosen apart, since a user may write some.
+    Times are dimensionless (R/U) and rounded by `cyclosis.model.instants.instant`. `terms` are chosen
+    separately, since some may be custom functions.
     """
 
     t_end: float = _DEFAULT["t_end"]
@@ -38,18 +41,22 @@ class Settings:
         checks = {item.name: item for item in RUN}
         for item in fields(self):
             value = getattr(self, item.name)
-            if item.name == "save_at" and isinstance(value, np.ndarray):
-                value = value.tolist()
             object.__setattr__(self, item.name, checks[item.name].check(value))
-        if self.save_at is not None and self.save_at[-1] > self.t_end:
-            raise InputError("save_at", self.save_at, f"times up to t_end = {self.t_end:g}", "raise t_end")
+        object.__setattr__(self, "t_end", instant(self.t_end))
+        if self.save_at is not None:
+            # Times that mean the same, for example from two joined lists, are saved once.
+            object.__setattr__(self, "save_at", tuple(dict.fromkeys(map(instant, self.save_at))))
+            late = next((time for time in self.save_at if time > self.t_end), None)
+            if late is not None:
+                remedy = "raise t_end, or leave out what is later"
+                raise InputError("save_at", late, f"at most t_end = {beside(self.t_end, late)}", remedy)
         for name in ("save_every", "record_every"):
             interval = getattr(self, name)
             if interval is not None and self.t_end / interval > MAX_FRAMES:
                 raise InputError(
                     name,
                     interval,
-                    f"at least t_end / {MAX_FRAMES} = {self.t_end / MAX_FRAMES:g}",
+                    f"at least t_end / {MAX_FRAMES} = {beside(self.t_end / MAX_FRAMES, interval)}",
                     "save less often",
                 )
         if self.precision == "float32" and self.stepper == "adaptive" and self.rtol < 1e-6:
@@ -79,8 +86,12 @@ class Settings:
 
 
 def _every(interval: float, end: float) -> Array:
-    # A last interval shorter than a millionth of the others is rounding, not an interval.
+    # A last interval shorter than a millionth of the others is a rounding error.
     count = int(np.floor(end / interval + 1e-6))
-    # Rounding makes 3 * 0.3 the time 0.9 that a user would ask for.
-    times = np.minimum(np.round(interval * np.arange(count + 1), 12), end)
-    return times if abs(times[-1] - end) <= 1e-6 * interval else np.append(times, end)
+    times: Array = np.minimum(instant(interval * np.arange(count + 1, dtype=np.float64)), end)
+    if times[-1] == end:
+        return times
+    if count and end - times[-1] <= 1e-6 * interval:
+        times[-1] = end
+        return times
+    return np.append(times, end)

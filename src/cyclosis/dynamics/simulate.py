@@ -1,4 +1,4 @@
-"""One run: from an initial state to a trajectory with a status, and on from there."""
+"""One run: from an initial state to a trajectory with a status, and its continuation."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
+from ..contract.model import Model, TermLike
+from ..model.doors import door
 from ..model.errors import InputError
-from ..model.filaments import Term, TermLike, select_terms
-from ..model.grid import CylinderGrid
-from ..model.parameters import Parameters
+from ..model.instants import instant
 from ..model.precision import double
-from .advance import DIVERGED
+from ..model.wording import beside
+from ..models import polar
 from .course import Course
 from .protocol import Protocol, Step
 from .run import Run, Snapshot
@@ -26,13 +26,15 @@ from .trajectory import Status, Trajectory
 CHECKPOINT_SECONDS = 30.0
 
 
+@door
 def simulate(
-    params: Parameters,
-    grid: CylinderGrid,
+    params: Any,
+    grid: Any,
     state: npt.ArrayLike,
     t_end: float = 200.0,
     save_every: float = 1.0,
     *,
+    model: Model = polar,
     protocol: Protocol | Iterable[Step] | None = None,
     terms: Iterable[TermLike] | None = None,
     progress: Callable[[Snapshot], None] | None = None,
@@ -41,30 +43,37 @@ def simulate(
     provenance: Mapping[str, Any] | None = None,
     **settings: Any,
 ) -> Trajectory:
-    """Integrate the filament equation from `state` at t = 0 to `t_end`.
+    """Integrate the equation of a model from `state` at t = 0 to `t_end`: by default the filament equation.
 
     state: P of shape (2, n_theta, n_z), |P| <= 1; its Nyquist modes are dropped. All times are
-    dimensionless (R/U). Fields are saved every `save_every`, or at the times `save_at`, and quantities
-    recorded there and every `record_every`; steps land on these times exactly. Further `settings`, with
-    their defaults in `Settings`:
+    dimensionless (R/U) and rounded to 12 significant digits, so that times that mean the same are equal.
+    Fields are saved every `save_every`, or at the times `save_at`, and quantities recorded there and every
+    `record_every`; steps land on these times exactly. Further `settings`, with their defaults in `Settings`:
 
     * stepper: "adaptive" (exponential Runge-Kutta of order 4 with an embedded estimate, `rtol` and
       `atol` per step), "etdrk4" (the same with fixed `dt`) or "rk4" (the paper's; fixed `dt`).
     * dealias: "none", "quadratic", "cubic" or "full": how far products are padded; "full" removes all
       aliasing of this model's quartic terms.
     * precision: "float64" or "float32".
-    * steady_rate: stop once <|dP/dt|²>^½ / <|P|²>^½ falls below it.
+    * steady_rate: stop once <|dP/dt|²>^½ / <|P|²>^½ has stayed below it for a time of 10 without rising more
+      than a tenth above its least value. That does not show that the state is stable: what grows may still
+      be too small to be seen in the rate.
 
-    `protocol` says what is done to the cell on its way (see `cyclosis.Protocol`); steps land on its times
-    exactly, and what lies beyond `t_end` waits for `resume`. With a `steady_rate` the run stops as steady
-    only once nothing more is to be done.
+    `protocol` says what is done to the cell during the run (see `cyclosis.Protocol`); steps land on its times
+    exactly, and its steps after `t_end` wait for `resume`. With a `steady_rate` the run stops as steady
+    only once the protocol is finished.
 
-    `terms` selects terms by name and may hold the user's own, `term(t, P, u, params, grid)`. `progress`
-    is called a few times a second. `checkpoint` gets the run so far at the start and then every
-    `checkpoint_seconds`, which changes no step; a file writer for it is `cyclosis.RunWriter`.
-    `provenance` is kept with the run; of it a file keeps `initial` alone. Ctrl-C ends the run with status
-    "interrupted". Raises `InputError` for bad input; everything that happens later is a status of the
-    `Trajectory`.
+    `terms` selects terms by name and may contain custom ones, `term(t, P, u, params, grid)`, or
+    `term(t, m, u, params, grid)` of the moments in the kinetic model. `progress` is called a few times a
+    second. `checkpoint` gets the run so far at the start and then every `checkpoint_seconds`, which changes
+    no step; a file writer for it is `cyclosis.RunWriter`. `provenance` is kept with the run; a file keeps
+    only its `initial`.
+
+    Ctrl-C, or a KeyboardInterrupt raised by `progress`, stops the run at its next safe point: `checkpoint`
+    gets the run so far, and KeyboardInterrupt is raised with that run as its attribute `run`, of status
+    "interrupted". SIGTERM, and signals with a custom handler, act after such a checkpoint as they would
+    without it; if a handler returns, the run continues. A second signal acts at once. Raises `InputError`
+    for bad input; any other outcome is a status of the `Trajectory`.
 
     Source: Woodhouse & Goldstein 2013; steppers see `cyclosis.dynamics.steppers`.
 
@@ -76,26 +85,34 @@ def simulate(
         array([ 0., 10., 20., 30., 40.])
         >>> run.records["order"].round(4)  # tends to (1 - d_r/α_p)^½
         array([0.1   , 0.9874, 0.9874, 0.9874, 0.9874])
+
+        >>> def stop(now):
+        ...     raise KeyboardInterrupt  # as Ctrl-C does
+        >>> try:
+        ...     run = cy.simulate(params, grid, run.frames[0], t_end=40.0, progress=stop)
+        ... except KeyboardInterrupt as stopped:
+        ...     run = stopped.run
+        >>> print(run.status, cy.resume(run).status)
+        interrupted completed
     """
     how = Settings(t_end=t_end, save_every=save_every, **_known(settings))
-    P = grid.check_state(state, "the initial state", bounded=True)
-    course = _course(params, grid, _protocol(protocol), select_terms(terms), how)
-    cell = course.system(0)
-    spectrum = cell.spectrum(P)
-    largest = float(np.max(np.hypot(*cell.state(spectrum))))
-    if largest > DIVERGED:
+    P = model.check_state(grid, state, "the initial state")
+    course = _course(model, params, grid, terms, how, _protocol(protocol), P.shape)
+    largest = model.largest(P)
+    if largest > model.bound:
         raise InputError(
             "max |P| of the initial state without Nyquist modes",
-            float(f"{largest:.4g}"),
+            float(beside(largest, 1.0, 4)),
             "at most 1",
             "smooth the state, or use a finer grid",
         )
     origin = dict(provenance or {}) | {"initial_sha256": hashlib.sha256(P.tobytes()).hexdigest()}
     with double():
         run = Run(course, how, origin, progress, checkpoint, checkpoint_seconds)
-        return run.go(run.begin(spectrum))
+        return run.begin(P)
 
 
+@door
 def resume(
     run: Trajectory,
     t_end: float | None = None,
@@ -105,11 +122,12 @@ def resume(
     checkpoint: Callable[[Trajectory], None] | None = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
 ) -> Trajectory:
-    """Continue a run to `t_end` (default: where it was to end), bitwise as if it had never stopped.
+    """Continue a run to `t_end` (default: its planned end), bit for bit as if it had never stopped.
 
-    Bitwise, that is, if the run stopped at one of the times that are saved on the way to the new end,
-    or was interrupted. Returns the whole trajectory. `terms` are needed again if the user wrote some.
-    Raises `InputError` for a run that has diverged or already reached `t_end`.
+    That is exact if the run stopped at one of the times that are saved on the way to the new end, or was
+    interrupted. Returns the whole trajectory. `terms` are needed again if some are custom.
+    Raises `InputError` for other terms, and for a run that has diverged or already reached `t_end`, and
+    KeyboardInterrupt as `simulate`.
 
     Example:
         >>> import numpy as np
@@ -120,26 +138,42 @@ def resume(
         >>> bool(np.array_equal(cy.resume(half, t_end=4.0).final_state, whole.final_state))
         True
     """
-    end = run.settings.t_end if t_end is None else t_end
-    how = dataclasses.replace(run.settings, t_end=end)
+    how = dataclasses.replace(run.settings, t_end=run.settings.t_end if t_end is None else t_end)
+    end, reached = how.t_end, instant(run.t_final)
     if run.status in (Status.DIVERGED, Status.STEADY):
         remedy = "start a new run from one of its frames"
-        raise InputError("status", str(run.status), "that of a run that can go on", remedy)
+        raise InputError("status", str(run.status), "that of a run that can continue", remedy)
     finished = run.status is not Status.INTERRUPTED
-    if (finished and end <= run.t_final) or end < run.t_final:
-        raise InputError("t_end", end, f"later than the time reached, {run.t_final:g}", "raise it")
-    chosen = run.terms if terms is None else select_terms(terms)
-    course = _course(run.params, run.grid, run.protocol, chosen, how)
+    if (finished and end <= reached) or end < reached:
+        raise InputError("t_end", end, f"later than the time reached, {beside(reached, end)}", "raise it")
+    chosen = run.terms if terms is None else _same(run, run.model.terms(terms))
+    shape = run.final_state.shape
+    course = _course(run.model, run.params, run.grid, chosen, how, run.protocol, shape)
     with double():
         onward = Run(course, how, run.provenance, progress, checkpoint, checkpoint_seconds)
-        return onward.go(onward.restore(run))
+        return onward.restore(run)
 
 
 def _course(
-    params: Parameters, grid: CylinderGrid, protocol: Protocol, terms: tuple[Term, ...], how: Settings
+    model: Model,
+    params: Any,
+    grid: Any,
+    terms: Iterable[TermLike] | None,
+    how: Settings,
+    protocol: Protocol,
+    shape: tuple[int, ...],
 ) -> Course:
-    exact = METHODS[how.stepper].exact
-    return Course(params, grid, protocol, terms, how.dealias, how.precision, split=exact)
+    problem = model.problem(params, grid, terms, how.dealias, how.precision, shape)
+    return Course(problem, protocol, split=METHODS[how.stepper].exact)
+
+
+def _same(run: Trajectory, chosen: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return the terms to continue with, whose names must be those of the run."""
+    own, found = ([term.name for term in terms] for terms in (run.terms, chosen))
+    if found != own:
+        rule = "those of the run: " + ", ".join(own)
+        raise InputError("terms", found, rule, "give the same terms in this order, or begin a new run")
+    return chosen
 
 
 def _protocol(given: Protocol | Iterable[Step] | None) -> Protocol:

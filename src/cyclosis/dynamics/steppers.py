@@ -8,7 +8,7 @@ with z = h L and φ_k(z) = (φ_{k-1}(z) - 1/(k-1)!)/z, φ_0 = exp:
     P₄ = e^z P + h [φ₁(z) - 2 φ₂(z)] N₁ + 2 h φ₂(z) N₃
     P' = e^z P + h [φ₁ - 3 φ₂ + 4 φ₃] N₁ + 2 h [φ₂ - 2 φ₃] (N₂ + N₃) + h [4 φ₃ - φ₂] N₄
 
-A third-order solution that takes N(P') in place of N₄ gives the error estimate
+A third-order solution with N(P') in place of N₄ gives the error estimate
 h [4 φ₃ - φ₂] (N₄ - N(P')), as in Whalen, Brio & Moloney, J. Comput. Phys. 280 (2015) 579; N(P') is the
 next step's N₁, so that the estimate costs nothing. With L = 0 this is the classical Runge-Kutta
 method: the `rk4` stepper is the same code with every term taken as nonlinear.
@@ -24,8 +24,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from ..model.spectral import dot
-from ..model.system import System
+from ..contract.system import System
 
 
 class Tableau(NamedTuple):
@@ -43,8 +42,8 @@ class Tableau(NamedTuple):
     w4: Any
 
 
-class Step(NamedTuple):
-    """What a step gives: the new spectrum, its N, the error estimate, and max |P|²."""
+class Stepped(NamedTuple):
+    """The result of a step: the new spectrum, its N, the error estimate, and the peak, max |P|²."""
 
     spectrum: Any
     nonlinear: Any
@@ -86,7 +85,7 @@ def tableau(linear: jax.Array, h: Any) -> Tableau:
     )
 
 
-def step(system: System, c: Tableau, t: Any, h: Any, Z: jax.Array, N1: jax.Array) -> Step:
+def step(system: System, c: Tableau, t: Any, h: Any, Z: jax.Array, N1: jax.Array) -> Stepped:
     """Advance the packed spectrum Z by h; N1 is the nonlinear part at (t, Z)."""
     N2 = system.nonlinear(system.at(c.half * Z + c.a21 * N1, t + 0.5 * h))
     N3 = system.nonlinear(system.at(c.half * Z + c.a31 * N1 + c.a32 * N2, t + 0.5 * h))
@@ -94,22 +93,22 @@ def step(system: System, c: Tableau, t: Any, h: Any, Z: jax.Array, N1: jax.Array
     new = c.full * Z + c.w1 * N1 + c.w23 * (N2 + N3) + c.w4 * N4
     end = system.at(new, t + h)
     N5 = system.nonlinear(end)
-    return Step(new, N5, c.w4 * (N4 - N5), jnp.max(dot(end.p, end.p)))
+    return Stepped(new, N5, c.w4 * (N4 - N5), system.peak(end))
 
 
 @dataclass(frozen=True)
 class Method:
-    """A stepper: how a step is made, and how it is steered.
+    """A stepper: how it makes a step, and how its step length is chosen.
 
     `tableau(linear, h)` gives the coefficients of a step, any tree of arrays, and
-    `step(system, coefficients, t, h, Z, N1)` the `Step`, with `evaluations` right-hand sides. `order` is that
-    of the method. An `adaptive` one chooses h by its error estimate, others take `dt`. `exact` says that
-    linear terms are kept apart from N; if not, `stability` is the largest h |λ| on the negative real axis,
+    `step(system, coefficients, t, h, Z, N1)` a `Stepped`, with `evaluations` right-hand sides. `order` is
+    that of the method. An `adaptive` one chooses h by its error estimate, others take `dt`. `exact` says that
+    linear terms are kept separate from N; if not, `stability` is the largest h |λ| on the negative real axis,
     which bounds the default of `dt`.
     """
 
     tableau: Callable[[jax.Array, Any], Any]
-    step: Callable[[System, Any, Any, Any, jax.Array, jax.Array], Step]
+    step: Callable[[System, Any, Any, Any, jax.Array, jax.Array], Stepped]
     order: int
     evaluations: int
     adaptive: bool = False

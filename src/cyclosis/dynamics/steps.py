@@ -1,4 +1,4 @@
-"""The steps of a protocol: what each does to a cell and when. Only values; `schedule` says what they mean."""
+"""The steps of a protocol: what each does to a cell and when. Only values; `schedule` gives them meaning."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from ..model.definitions import PARAMETERS, Definition
 from ..model.errors import InputError, choice, closest
+from ..model.instants import DIGITS, instant
 from ..model.interventions import ACTIONS, AT, SHORTEST_RAMP
 from ..model.region_tables import from_table
 from ..model.regions import Region
@@ -40,21 +41,23 @@ class Step:
         for own in fields(self):
             if own.name in items:
                 object.__setattr__(self, own.name, _checked(items[own.name], getattr(self, own.name)))
+        object.__setattr__(self, "at", instant(self.at))
         region = getattr(self, "where", None)
         if region is not None and not isinstance(region, Region):
             raise InputError(
-                "where", region, "a region of cyclosis.regions", "make it with regions.disc, say"
+                "where", region, "a region of cyclosis.regions", "make it with regions.disc, for example"
             )
         over = getattr(self, "over", 0.0)
         if 0 < over < SHORTEST_RAMP:
             raise InputError("over", over, f"0 or at least {SHORTEST_RAMP:g}", "leave it out for a jump")
+        if over and self.until == self.at:
+            rule = f"long enough to differ from 0 in the {DIGITS} digits of a time near {self.at!r}"
+            raise InputError("over", over, rule, "lengthen the ramp, or leave it out for a jump")
 
     @property
     def until(self) -> float:
         """The time at which the step has ended."""
-        # Rounding makes 0.1 + 0.2 the time 0.3 at which a user would begin the next.
-        over = getattr(self, "over", 0.0)
-        return round(self.at + over, 12) if over else self.at
+        return instant(self.at + getattr(self, "over", 0.0))
 
     @property
     def what(self) -> str:
@@ -62,7 +65,7 @@ class Step:
         raise NotImplementedError
 
     def as_table(self) -> dict[str, Any]:
-        """Return the step as a plain table, as it would stand in a file, without what is left at nothing."""
+        """Return the step as a plain table, as it would be in a file, without settings that are None or 0."""
         out: dict[str, Any] = {"at": self.at, "action": self.action}
         for item in fields(self):
             value = getattr(self, item.name)
@@ -98,7 +101,7 @@ class Change(Step):
                 rule = "one of " + ", ".join(_BY_NAME)
                 raise InputError("parameter", name, rule, closest(name, _BY_NAME))
         if not given:
-            raise InputError("change", {}, "given at least one parameter", "add alpha_p = 0, say")
+            raise InputError("change", {}, "given at least one parameter", "add alpha_p = 0, for example")
         for name, value in given.items():
             self._refuse_impossible(name, value)
         checked = ((item.name, item.check(given[item.name])) for item in PARAMETERS if item.name in given)
@@ -113,7 +116,7 @@ class Change(Step):
             rule = f"changed on the whole surface; only {able} may differ from place to place"
             raise InputError(name, value, rule, "leave out where")
         if self.over and item.kind == "flag":
-            raise InputError(name, value, "changed at once, for it is true or false", "leave out over")
+            raise InputError(name, value, "changed at once, because it is true or false", "leave out over")
 
     @property
     def what(self) -> str:
@@ -207,7 +210,7 @@ _MADE: dict[str, type[Step]] = {
 
 
 def step_from_table(table: Any) -> Step:
-    """Return the step that a table describes, as it would stand under [[protocol]].
+    """Return the step that a table describes, as it would be under [[protocol]].
 
     Raises `InputError` for any mistake in it.
 

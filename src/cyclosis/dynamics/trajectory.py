@@ -1,4 +1,4 @@
-"""What a run leaves behind."""
+"""The result of a run."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import numpy.typing as npt
 
-from ..display.notebook import map_of, text_tree, tree
-from ..model.filaments import Term
-from ..model.grid import Array, CylinderGrid
-from ..model.parameters import Parameters
+from ..contract.model import Array, Model
+from ..display.notebook import text_tree, tree
+from ..model.doors import door
+from ..models import polar
 from .course import Intervention
 from .frames import Frames
 from .protocol import Protocol
@@ -48,9 +47,9 @@ class Status(StrEnum):
 
 _MEANING = {
     Status.COMPLETED: "the run reached t_end",
-    Status.STEADY: "the state stopped changing, at the rate asked for, before t_end",
+    Status.STEADY: "for a time of 10 the rate of change stayed below steady_rate and did not grow",
     Status.DIVERGED: "|P| left its bound of 1 or no step was small enough; the last good state is kept",
-    Status.UNDERRESOLVED: "the run reached its end but the grid was too coarse for what happened on it",
+    Status.UNDERRESOLVED: "the run reached its end but the grid was too coarse for it",
     Status.INTERRUPTED: "the run was stopped before t_end and can be resumed",
 }
 
@@ -67,17 +66,17 @@ class Effort:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One run: what was asked, what happened, and how it ended.
+    """One run: its input, its results, and how it ended.
 
     `times` (n,) and `frames` (n arrays P of shape (2, n_theta, n_z)) are the saved fields;
     `record_times` (k,) and `records` (arrays (k, ...) by name) the recorded quantities of
     `cyclosis.diagnostics.QUANTITIES`. `status` is a `Status`, reached at `status_time`, with a
     `message` that says what to do; `t_final` and `final_state` are where the run stopped, and
-    `restart` is all that is needed to go on. `provenance` says where the initial state came from.
-    `protocol` is what was to be done on the way, `params` the parameters before any of it and
-    `params_at(t)` those in force at a time. A frame or record at the time of a step is after it; the states
-    just before and just after, wherever steps acted on the state, are the `interventions`. Everything is
-    dimensionless.
+    `restart` is all that is needed to continue. `provenance` describes the origin of the initial state.
+    `protocol` is what was to be done during the run, `params` are the parameters before it and
+    `params_at(t)` those at a time. A frame or record at the time of a step is after it; `interventions`
+    has the states just before and just after each time at which steps acted on the state. `model` is the
+    physics. Everything is dimensionless.
 
     Example:
         >>> import cyclosis as cy
@@ -91,10 +90,10 @@ class Trajectory:
         {'time': 3, 'component': 2, 'theta': 16, 'z': 16}
     """
 
-    params: Parameters
-    grid: CylinderGrid
+    params: Any
+    grid: Any
     settings: Settings
-    terms: tuple[Term, ...]
+    terms: tuple[Any, ...]
     times: Array
     frames: Frames
     record_times: Array
@@ -109,9 +108,11 @@ class Trajectory:
     provenance: dict[str, Any]
     protocol: Protocol = field(default_factory=Protocol)
     interventions: tuple[Intervention, ...] = ()
+    model: Model = polar
 
-    def params_at(self, t: float) -> Parameters:
-        """Return the parameters in force at time t, after whatever the protocol does then."""
+    @door
+    def params_at(self, t: float) -> Any:
+        """Return the parameters at time t, after any steps of the protocol at that time."""
         return self._schedule.params_at(t)
 
     @cached_property
@@ -120,7 +121,7 @@ class Trajectory:
 
     @property
     def ok(self) -> bool:
-        """Whether the run did what was asked: it completed, or became steady when told to stop there."""
+        """Whether the run did what was requested: it completed, or became steady and was to stop there."""
         return self.status in (Status.COMPLETED, Status.STEADY)
 
     def to_dataset(self) -> xarray.Dataset:
@@ -132,7 +133,7 @@ class Trajectory:
     def _branches(self) -> tuple[str, list[tuple[str, str]]]:
         effort, began = self.effort, self.times[0] if self.times.size else 0
         return f"Trajectory: {self.status} at t = {self.status_time:g}", [
-            ("grid", f"{self.grid.n_theta} x {self.grid.n_z}, length {self.grid.length:g}"),
+            ("grid", self.model.caption(self.grid)),
             (
                 "frames",
                 f"{len(self.frames)} fields, {self.record_times.size} records, "
@@ -143,11 +144,11 @@ class Trajectory:
                 f"{effort.evaluations} right-hand sides, {effort.accepted} steps, "
                 f"{effort.rejected} rejected, {effort.wall_time:.2f} s",
             ),
-            ("final", f"max |P| = {np.hypot(*self.final_state).max():.3f}"),
+            ("final", f"max |P| = {self.model.largest(self.final_state):.3f}"),
         ]
 
     def __repr__(self) -> str:
         return text_tree(*self._branches())
 
     def _repr_html_(self) -> str:
-        return tree(*self._branches(), map_of(self.final_state, self.grid.length))
+        return tree(*self._branches(), self.model.picture(self.grid, self.final_state))

@@ -1,4 +1,4 @@
-"""Many members at once, each followed until its final regime is certain."""
+"""Ensembles: many members at once, each integrated until its final regime is certain."""
 
 from .members import FINISH as FINISH
 from .members import OUTCOMES as OUTCOMES

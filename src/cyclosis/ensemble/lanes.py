@@ -1,130 +1,93 @@
-"""Many members at once, each with a step of its own: lanes of one compiled program.
+"""Many members at once, each with its own time step: lanes of one compiled program.
 
-Every lane takes steps from the ladder 2^{j/2}, whose coefficients are tabulated once: they depend on
-diffusion alone, so that all lanes share the table whatever their couplings. A lane waits, unchanged,
-when its next step would pass its end or when it has failed. Lanes never mix: what a member does
-does not depend on who is beside it.
+Every lane takes steps from the ladder 2^{j/2}, whose coefficients are tabulated once: they depend only on
+diffusion, so that all lanes share the table whatever their couplings. A lane waits, unchanged,
+when its next step would pass its end or when it has failed. Lanes are independent: a member's
+result does not depend on the members in other lanes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
-from ..analysis.diagnostics import tail
-from ..dynamics.advance import Control, Progress, length, one_step
+from ..contract.members import Lanes
+from ..contract.system import System
+from ..dynamics.advance import Control, StepperState, length, one_step
 from ..dynamics.steppers import Tableau, tableau
-from ..model.spectral import dot
-from ..model.system import System
 
 LOWEST, HIGHEST = -16, 10
-"""Rungs that are tabulated: steps of 1/256 to 32. A member that needs shorter ones has diverged."""
+"""Rungs that are tabulated: steps of 1/256 to 32. A member that needs shorter steps has diverged."""
 CHECK_STEPS = 8
-"""Steps between two looks at a member."""
+"""Steps between two checks of a member."""
 
 
-class Signs(NamedTuple):
-    """What is looked at of a member: small numbers, and its means along either axis as packed spectra.
+class LaneState(NamedTuple):
+    """The progress of a member in a lane.
 
-    `largest` is max |P|, `order` <|P|²>^½, `around` <P_theta²>^½, `unevenness` <|P - <P>|²>^½; `vary_theta`
-    and `vary_z` are the root mean squares of what varies along either axis; `low` and `high` the fewest and
-    the most sign changes of P_z around a circle z = const. `t` is the time reached, `waits` whether the next
-    step would pass the end, `failed` whether none was short enough, `peak` the largest |P| so far.
+    `t` is the time reached, `waits` whether the next step would pass the end, `failed` whether no step was
+    short enough, `peak` the largest |P| so far; `signs` are those of its model.
     """
 
-    largest: Any
-    order: Any
-    around: Any
-    unevenness: Any
-    vary_theta: Any
-    vary_z: Any
-    tail: Any
-    low: Any
-    high: Any
-    mean_along_z: Any
-    mean_along_theta: Any
     t: Any
     waits: Any
     failed: Any
     peak: Any
+    signs: Any
 
 
 @jax.jit
-def tables(cell: System) -> Tableau:
+def tables(system: System) -> Tableau:
     """Return the coefficients of every rung, stacked along a first dimension."""
-    linear = cell.linear()
+    linear = system.linear()
     return jax.vmap(lambda rung: tableau(linear, length(rung)))(jnp.arange(LOWEST, HIGHEST + 1))
 
 
-@partial(jax.jit, donate_argnums=3)
-def run_lanes(
-    cells: System, control: Control, table: Tableau, lanes: Progress, t_end: Any
-) -> tuple[Progress, Signs]:
-    """Try `CHECK_STEPS` steps in every lane, and look at them.
+def stacked(members: Sequence[Any]) -> Any:
+    """Return the values of several members as those of as many lanes."""
+    # On the host: a program that joins thousands of arrays takes minutes to compile.
+    on_host = [jax.tree.map(np.asarray, member) for member in members]
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.stack(leaves)), *on_host)
 
-    `cells.values` and every leaf of `lanes` have a first dimension, the lanes; all else is shared.
+
+@partial(jax.jit, static_argnames="how", donate_argnames="lanes")
+def run_lanes(
+    systems: System, control: Control, table: Tableau, lanes: StepperState, t_end: Any, *, how: Lanes
+) -> tuple[StepperState, LaneState]:
+    """Try `CHECK_STEPS` steps in every lane, and return the progress of its member.
+
+    The values of `systems` that differ and every leaf of `lanes` have a first dimension, the lanes;
+    everything else is shared.
     """
 
-    def one(values: Any, now: Progress) -> tuple[Progress, Signs]:
-        cell = cells.with_values(values)
-        now = jax.lax.fori_loop(0, CHECK_STEPS, lambda _, at: _try(cell, control, table, at, t_end), now)
-        return now, _signs(cell, now, t_end)
+    def one(values: Any, now: StepperState) -> tuple[StepperState, LaneState]:
+        system = how.with_values(systems, values)
+        now = jax.lax.fori_loop(0, CHECK_STEPS, lambda _, at: _try(system, control, table, at, t_end), now)
+        seen = how.signs(system, now.spectrum)
+        return now, LaneState(now.t, _waits(now, t_end), now.failed, now.peak, seen)
 
-    return jax.vmap(one)(cells.values, lanes)
+    return jax.vmap(one)(how.values(systems), lanes)
 
 
-def _waits(now: Progress, t_end: Any) -> Any:
+def _waits(now: StepperState, t_end: Any) -> Any:
     return now.t + _next(now) > t_end
 
 
-def _next(now: Progress) -> Any:
+def _next(now: StepperState) -> Any:
     return length(jnp.clip(now.rung, LOWEST, HIGHEST))
 
 
-def _try(cell: System, control: Control, table: Tableau, now: Progress, t_end: Any) -> Progress:
+def _try(system: System, control: Control, table: Tableau, now: StepperState, t_end: Any) -> StepperState:
     h = _next(now)
     rung = jnp.clip(now.rung, LOWEST, HIGHEST)
     coefficients = Tableau(*(values[rung - LOWEST] for values in table))
     aimed = now._replace(rung=rung, h=h, left=jnp.ones_like(now.left))
-    new = one_step(cell, control, aimed, now.t + h, cell.linear(), coefficients)
+    new = one_step(system, control, aimed, now.t + h, system.linear(), coefficients)
     new = new._replace(failed=new.failed | (new.rung < LOWEST))
     waits = now.failed | _waits(now, t_end)
     return jax.tree.map(lambda a, b: jnp.where(waits, a, b), now, new)
-
-
-@jax.jit
-def signs(cell: System, now: Progress, t_end: Any) -> Signs:
-    """Return what is looked at of one member."""
-    return _signs(cell, now, t_end)
-
-
-def _signs(cell: System, now: Progress, t_end: Any) -> Signs:
-    spectrum = now.spectrum
-    energy = (spectrum.real**2 + spectrum.imag**2) / spectrum.size**2
-    p = jnp.fft.ifft2(spectrum)
-    up = p.imag > 0
-    changes = jnp.sum(up != jnp.roll(up, 1, axis=0), axis=0)
-
-    def root(values: Any) -> Any:
-        return jnp.sqrt(jnp.sum(values, dtype=jnp.float64))
-
-    return Signs(
-        largest=jnp.sqrt(jnp.max(dot(p, p))),
-        order=root(energy),
-        around=jnp.sqrt(jnp.mean(p.real**2, dtype=jnp.float64)),
-        unevenness=root(energy.at[0, 0].set(0.0)),
-        vary_theta=root(energy[1:]),
-        vary_z=root(energy[:, 1:]),
-        tail=tail(cell, energy),
-        low=jnp.min(changes),
-        high=jnp.max(changes),
-        mean_along_z=spectrum[:, 0] / spectrum.shape[1],
-        mean_along_theta=spectrum[0] / spectrum.shape[0],
-        t=now.t,
-        waits=_waits(now, t_end),
-        failed=now.failed,
-        peak=now.peak,
-    )

@@ -1,32 +1,38 @@
-"""What goes into an ensemble and what comes out: members, how they are followed, outcomes."""
+"""The input and output of an ensemble: members, settings of their integration, and outcomes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
+from ..contract.model import Array, Model, Problem
 from ..dynamics.protocol import Protocol
 from ..dynamics.schedule import Schedule
 from ..dynamics.settings import Settings
 from ..model.definitions import definition
+from ..model.doors import door, required
 from ..model.errors import InputError, choice, whole
-from ..model.grid import Array, CylinderGrid
-from ..model.parameters import Parameters
+from ..model.instants import instant
+from ..models import polar
 
 OUTCOMES = ("certified", "completed", "underresolved", "diverged")
-"""How a member ended: regime certain, t_end reached, either of them on too coarse a grid, or diverged."""
+"""How a member ended: regime certain, t_end reached, one of these on too coarse a grid, or diverged."""
 FINISH = ("certified", "t_end")
 """When a member is done: once its final regime is certain (or at t_end), or always at t_end."""
-UNCERTIFIED = "set it so: what is certain of a cell is no longer so once something is done to it"
-"""What to do where members with a protocol were to be certified."""
+UNCERTIFIED = "set it so: a final regime is not certain if the protocol may still change it"
+"""The remedy if members with a protocol were to be certified."""
 MAX_LANES = 1_048_576
+DISORDERED = "disordered"
+"""The regime that is never reached at a definite time: order decays forever."""
 
 
 @dataclass(frozen=True)
 class Member:
-    """One cell to follow: parameters, grid, a function that makes its initial state, and its protocol.
+    """One cell: parameters, grid, a function that makes its initial state, its protocol, and its model.
 
-    The state (2, n_theta, n_z), |P| <= 1, is made only when the member's turn comes.
+    The state (2, n_theta, n_z), |P| <= 1, is made only when the member is started. Raises `InputError` if
+    arguments are in the wrong order.
 
     Example:
         >>> import cyclosis as cy
@@ -36,19 +42,30 @@ class Member:
         (1.0, (2, 16, 16))
     """
 
-    params: Parameters
-    grid: CylinderGrid
+    params: Any
+    grid: Any
     state: Callable[[], Array]
     protocol: Protocol = field(default_factory=Protocol)
+    model: Model = polar
 
-    def params_at(self, t: float) -> Parameters:
-        """Return the parameters in force at time t, after whatever the protocol does then."""
+    def __post_init__(self) -> None:
+        call = "write Member(params, grid, state), with a function that makes the state"
+        required("params", self.params, call, self.model)
+        required("grid", self.grid, call, self.model)
+        if not callable(self.state):
+            raise InputError(
+                "state", self.state, "a function that makes the initial state", "write lambda: state"
+            )
+
+    @door
+    def params_at(self, t: float) -> Any:
+        """Return the parameters that are active at time t, after the protocol has acted."""
         return Schedule(self.params, self.grid, self.protocol).params_at(t) if self.protocol else self.params
 
 
 @dataclass(frozen=True)
 class EnsembleSettings:
-    """How members are followed; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U).
+    """How members are integrated; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U).
 
     Example:
         >>> import cyclosis as cy
@@ -67,17 +84,17 @@ class EnsembleSettings:
     lanes: int | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "t_end", definition("run", "t_end").check(self.t_end))
+        object.__setattr__(self, "t_end", instant(definition("run", "t_end").check(self.t_end)))
         choice("finish", self.finish, FINISH)
         if self.lanes is not None:
             whole("lanes", self.lanes, 1, MAX_LANES, "leave it out to suit the device")
-        _ = self.run  # checks all else
+        _ = self.run  # checks everything else
         if self.t_end == 0:
-            raise InputError("t_end", self.t_end, "longer than no time", "raise it")
+            raise InputError("t_end", self.t_end, "greater than 0", "raise it")
 
     @property
     def run(self) -> Settings:
-        """The same as settings of a single run that saves nothing on its way."""
+        """The same settings for a single run that saves only its first and last state."""
         return Settings(
             t_end=self.t_end,
             save_every=max(self.t_end, 1e-6),
@@ -87,18 +104,31 @@ class EnsembleSettings:
             dealias=self.dealias,
         )
 
+    def problem(self, member: Member, shape: tuple[int, ...] | None = None) -> Problem:
+        """Return the problem of a member, with its initial parameters and the shape of its state.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> grid = cy.CylinderGrid(16, 16)
+            >>> member = cy.ensemble.Member(cy.Parameters(), grid, lambda: cy.initial.stripes(grid))
+            >>> cy.ensemble.EnsembleSettings().problem(member).model
+            cyclosis.models.polar
+        """
+        terms, dealias, precision = self.terms, self.dealias, self.precision
+        return member.model.problem(member.params, member.grid, terms, dealias, precision, shape)
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """How one member ended; all numbers are dimensionless.
 
-    `regime` is one of `REGIMES`, `status` one of `OUTCOMES`, `reason` says in a few words what makes the
-    regime certain, or why it is not. `t_final` is the time up to which the two-dimensional equations were
+    `regime` is one of `REGIMES`, `status` one of `OUTCOMES`, `reason` says in a few words why the
+    regime is certain, or why it is not. `t_final` is the time up to which the two-dimensional equations were
     integrated, `t_order` the time since which the state has looked like its final regime (NaN for disorder
-    and where it never settled). `state` (2, n_theta, n_z) is the final state: the steady state itself where
-    that is what is certain. `eigenvalue` is the largest growth rate of perturbations of it (NaN where none
-    was computed), `tail` the largest spectral tail met after the initial noise had decayed. `evaluations`
-    of the right-hand side and `seconds` say what it cost.
+    and if it never settled). `state` (2, n_theta, n_z) is the final state: the steady state itself if the
+    member is certain to reach it. `eigenvalue` is the largest growth rate of perturbations of it (NaN if it
+    was not computed), `tail` the largest spectral tail after the initial noise had decayed. `evaluations` of
+    the right-hand side and `seconds` are the cost.
 
     Example:
         >>> import cyclosis as cy
@@ -130,8 +160,22 @@ class Outcome:
         return mean
 
 
+def ended(problem: Problem, state: Array) -> Any:
+    """Return the regime of a member's final state; one without a name if its model has no regimes."""
+    regime = problem.model.regime
+    return NoRegime() if regime is None else regime(problem, state)
+
+
+@dataclass(frozen=True)
+class NoRegime:
+    """The regime of a state of a model that has no regimes."""
+
+    name: str = ""
+    rate: float = float("nan")
+
+
 def uncertain(status: str, rate: float) -> str:
-    """Return why nothing is certain of a member that has "diverged" or "completed"."""
+    """Return why the regime of a member that has "diverged" or "completed" is not certain."""
     if status == "diverged":
-        return "no step was small enough, or |P| passed its bound; the last good state is kept"
+        return "no step was small enough, or |P| exceeded its bound; the last good state is kept"
     return f"at t_end, where its relative rate of change was {rate:.1e}"

@@ -1,4 +1,4 @@
-"""Virtual experiments: each claim of Woodhouse & Goldstein (2013) put to the model cell, and its verdict."""
+"""Virtual experiments: the claims of Woodhouse & Goldstein (2013) tested on the model cell, with verdicts."""
 
 from .catalogue import NAMES as NAMES
 from .catalogue import experiment as experiment

@@ -1,4 +1,4 @@
-"""The experiments by name; each stands in a file of its own and loads when it is asked for."""
+"""The experiments by name; each is in its own file and is loaded on demand."""
 
 from __future__ import annotations
 
@@ -24,17 +24,20 @@ NAMES = (
     "timescales",
     "cell-shape",
     "twist",
+    "closure",
+    "mixing",
+    "streaming-transport",
 )
-"""Every experiment, in the order in which the paper comes to its claim."""
+"""Every experiment: the claims of the paper in its order, then two of the literature on the vacuole."""
 
 
 def experiment(name: str) -> Experiment:
-    """Return an experiment by name. Raises `InputError` for a name that is none of `NAMES`.
+    """Return an experiment by name. Raises `InputError` for a name that is not in `NAMES`.
 
     Example:
         >>> from cyclosis.experiments import NAMES, experiment
         >>> len(NAMES), experiment("recovery").source
-        (16, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
+        (19, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
     """
     chosen = choice("experiment", name, NAMES)
     module = import_module(f"{__package__}.{chosen.replace('-', '_')}")

@@ -1,4 +1,4 @@
-"""Filaments that avoid no direction any more, or another, turn around the axis: all, or those of a part."""
+"""Filaments that lose or change their preferred direction turn around the axis, in all or part of a cell."""
 
 from __future__ import annotations
 
@@ -8,25 +8,81 @@ import numpy as np
 import xarray
 
 from ..analysis.regimes import DOMINANT, REGIMES
+from ..dynamics.protocol import Protocol, change
+from ..dynamics.simulate import simulate
+from ..dynamics.trajectory import Trajectory
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, LEGEND, UP
-from ..model.grid import Array
+from ..model import initial, regions
+from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from ..stability import orders, tilt_threshold
-from .cues import END, GRID, NOISE, TREATED, TREATMENTS, band, cell, tilt_growth
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
-from .lab import Lab
+from .lab import Lab, frames
 from .statistics import in_words, proportion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+# Computed
+
+TREATMENTS = {"lost": {"kappa": 0.0}, "turned": {"repulsion_angle": 0.5 * np.pi}}
+"""What happens to the cue: no direction is avoided any more, or the direction along the cell is."""
+NOISE = 4000.0
+TREATED, END = 20.0, 150.0
+"""Times at which a band of an established cell is treated, and the run ends."""
+BETWEEN, SMALL = (2.0, 12.0), 1e-4
+"""Times between which a small tilt is timed, and its size."""
+GRID = CylinderGrid(48, 48, 5.0)
+
+
+def cell(treatment: str, length: float, times: tuple[float, ...]) -> xarray.Dataset:
+    """Return the frames at some times of a cell in which a band of a length is treated."""
+    return frames(treated(treatment, length, 1, times), times)
+
+
+def band(treatment: str, length: float, seed: int) -> tuple[float, float]:
+    """Return the share of order that runs around the axis in a treated band of a length, and outside it."""
+    mask = where(length).mask(GRID)
+    last = treated(treatment, length, seed, (END,)).frames[-1]
+    return around(last, mask), around(last, ~mask)
+
+
+def where(length: float) -> regions.Region:
+    """Return the band of a length in the middle of the cell."""
+    return regions.band("z", 0.5 * (GRID.length - length), 0.5 * (GRID.length + length))
+
+
+def treated(treatment: str, length: float, seed: int, times: tuple[float, ...]) -> Trajectory:
+    """Return the run of an established cell in which a band is treated."""
+    protocol = Protocol(change(at=TREATED, where=where(length), **TREATMENTS[treatment]))
+    start = initial.with_noise(initial.stripes(GRID), GRID, NOISE, seed)
+    return simulate(Parameters(), GRID, start, END, save_at=times, protocol=protocol, rtol=1e-3)
+
+
+def around(state: Array, mask: regions.Mask) -> float:
+    """Return the share of <|P|²> in P_theta of a state (2, n_theta, n_z) where a mask is true."""
+    square = state[:, mask] ** 2
+    return float(square[0].sum() / square.sum())
+
+
+def tilt_growth(alpha_u: float) -> float:
+    """Return the growth rate of a small uniform tilt of unidirectional order."""
+    params = Parameters(alpha_u=alpha_u)
+    grid = CylinderGrid(8, 8, 5.0)
+    state = initial.unidirectional(grid, orders(params, "unidirectional")[0])
+    state[0] = SMALL
+    run = simulate(params, grid, state, BETWEEN[1], save_at=BETWEEN, rtol=1e-8)
+    first, last = (float(run.frames[k][0].mean()) for k in (-2, -1))
+    return float(np.log(last / first) / (BETWEEN[1] - BETWEEN[0]))
+
 
 NAMES = {"lost": "cue lost, κ = 0", "turned": "cue turned, d = e$_z$"}
 COLOURS = {"lost": UP, "turned": DOWN}
 NOISY = {"magnitude": 0.9, "filaments_per_square": NOISE}
 STARTS = {"established": {"kind": "stripes"} | NOISY, "disorder": {"kind": "disordered"}}
 LATE = 400.0
-"""Time at which a cell that has come to no certain end is looked at."""
+"""Time at which a run stops if its end is not certain by then."""
 
 TIMES = (TREATED - 1, TREATED + 35, END)
 HALF = 2.5
@@ -36,7 +92,7 @@ BAND_SEEDS = 3
 """Seeds of bands of other lengths; they differ in the third digit."""
 
 TIPPED, TIPPED_LATE = (0.45, 0.8), 300.0
-"""Values of alpha_u on either side of where unidirectional order tips over, from which cells are followed."""
+"""Values of alpha_u on either side of the tilt threshold of unidirectional order, and when runs there end."""
 GROWING = (0.2, 0.35, 0.45, 0.55, 0.65, 0.8)
 """Values of alpha_u at which a small tilt is timed."""
 
@@ -88,10 +144,10 @@ def measure(lab: Lab) -> xarray.Dataset:
 
 
 def _cells(lab: Lab) -> xarray.Dataset:
-    """Return the frames of a cell that loses its cue, and of two of which a band is treated."""
+    """Return the frames of a cell that loses its cue, and of two in which a band is treated."""
     shown = [("lost", GRID.length, TIMES), ("lost", HALF, (END,)), ("turned", HALF, (END,))]
-    told = lab.each("cells", cell, shown)
-    return xarray.concat(told, "frame", combine_attrs="override", data_vars="minimal")
+    found = lab.each("cells", cell, shown)
+    return xarray.concat(found, "frame", combine_attrs="override", data_vars="minimal")
 
 
 def turned(data: xarray.Dataset, treatment: str, start: str) -> tuple[float, float, float]:
@@ -103,7 +159,7 @@ def turned(data: xarray.Dataset, treatment: str, start: str) -> tuple[float, flo
 
 
 def turned_band(data: xarray.Dataset, treatment: str) -> tuple[float, float, float]:
-    """Return the share of cells, with its interval, in whose treated half the order runs around the axis."""
+    """Return the share of cells, with its interval, whose treated half has order around the axis."""
     inside = _half(data, treatment)
     return proportion(int((inside >= DOMINANT).sum()), inside.size)
 
@@ -113,8 +169,11 @@ def _half(data: xarray.Dataset, treatment: str) -> Array:
     return found
 
 
+# Judged
+
+
 def verdict(data: xarray.Dataset) -> Verdict:
-    """Judge: cables turn around the axis where the cue is lost, or turned, in whole cells and in a half."""
+    """Judge: cables turn around the axis where the cue is lost or turned, in whole cells and in a half."""
     whole = {name: [turned(data, name, start) for start in STARTS] for name in TREATMENTS}
     half = {name: turned_band(data, name) for name in TREATMENTS}
     inside = {name: 100 * np.median(_half(data, name)) for name in TREATMENTS}
@@ -144,10 +203,18 @@ def verdict(data: xarray.Dataset) -> Verdict:
     return Verdict(AGREES if all(share[1] > 0.5 for share in shares) else IN_PART, text)
 
 
+def decisive(data: xarray.Dataset) -> str:
+    """Return the share of cells in which half a cell that has lost the cue turns."""
+    return f"{in_words(turned_band(data, 'lost'))} of half cells turn when the cue is lost there"
+
+
 def onset(data: xarray.Dataset) -> float:
     """Return the alpha_u at which the growth rate of a tilt, on a straight line, is zero."""
     slope, start = np.polyfit(data["growing_alpha_u"].values, data["growth"].values, 1)
     return float(-start / slope)
+
+
+# Drawn
 
 
 def draw(data: xarray.Dataset) -> Figure:
@@ -210,16 +277,19 @@ def draw(data: xarray.Dataset) -> Figure:
 
 EXPERIMENT = Experiment(
     name="circumferential",
+    headline="Cables whose cue is lost or turned run around the axis, also in parts of a cell.",
     claim="Cables that have lost the cue for their direction, or are given another, turn from the length of "
     "the cell to its circumference and run around the axis, in whole cells (Vallisneria) and "
     "in parts (Lilium).",
     source="Discussion (Masuda et al. 1991, Foissner et al. 2002) and Figure S4",
-    method="In established and in disordered cells κ is set to 0, or d from e_θ to e_z at κ = 0.5, and each "
-    "is followed to its certain end; in established cells the same is done to a band, and order around the "
-    "axis is measured within and without. The growth of a small tilt of unidirectional order is timed.",
+    method="In established and in disordered cells κ is set to 0, or d is turned from e_θ to e_z at κ = "
+    "0.5, and each is integrated until its end is certain. In established cells the same is done to a band, "
+    "and order around the axis is measured inside and outside. The growth of a small tilt of unidirectional "
+    "order is timed.",
     seeds=200,
     quick_seeds=5,
     measure=measure,
     verdict=verdict,
+    decisive=decisive,
     draw=draw,
 )

@@ -22,26 +22,28 @@ from .statistics import in_words, proportion
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Computed
+
 BUNDLING = (0.1, 0.2, 0.5, 1.0)
 DISTANCES = (3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)
-"""First distances of two fronts, in widths of a front."""
+"""Initial distances of two fronts, in widths of a front."""
 FAR, CLOSE = 4.0, 0.05
-"""Distance from which on fronts should obey the law, and by how much of it they may miss it."""
+"""Distance beyond which fronts should obey the law, and their greatest relative deviation from it."""
 NEAR = (0.5, 0.8, 1.25, 2.0)
 """Multiples of the threshold at which a small difference of widths is timed."""
 MULTIPLES = (0.0, 0.5, 0.9, 1.2, 2.0, 3.0, 5.0, 10.0, 20.0)
 NARROW = (0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.35, 0.4, 0.44, 0.48)
-"""First widths, in turns, of the narrow stripe."""
+"""Initial widths, in turns, of the narrow stripe."""
 FLOWS = (0.0, 0.3, 3.0, 10.0, 20.0, 30.0, 100.0)
 SHOWN = 0.34
 """Width of the narrow stripe of the cells that are drawn; times and multiple of the threshold follow."""
 TIMES, STRONG = (0.0, 20.0, 250.0), 10.0
 LASTING = 0.4
-"""Width of the stripe whose life at the paper's α_p is told."""
+"""Width of the stripe whose lifetime at the paper's α_p is reported."""
 
 
 def measure(lab: Lab) -> xarray.Dataset:
-    """Return how fast fronts creep, when flow stops them, what becomes of unequal stripes and of disorder."""
+    """Return the speed of fronts, where flow stops them, and the fates of unequal stripes and of disorder."""
     quick = lab.quick
     flows = (0.0, 3.0, 30.0) if quick else FLOWS
     multiples, widths = ((0.0, 0.5, 2.0, 10.0), NARROW[1::2]) if quick else (MULTIPLES, NARROW)
@@ -75,7 +77,7 @@ def measure(lab: Lab) -> xarray.Dataset:
 
 
 def _pictures(lab: Lab, critical: float) -> xarray.Dataset:
-    """Return the frames of a cell whose fronts merge, and the last of one whose fronts flow drives apart."""
+    """Return the frames of a cell whose fronts merge, and those of one whose fronts flow drives apart."""
     grid = CylinderGrid(48, 48, 5.0)
     runs = []
     for alpha_u, times in ((0.0, TIMES), (STRONG * critical, (TIMES[0], TIMES[-1]))):
@@ -97,17 +99,20 @@ def crossing(multiple: Array, rate: Array) -> float:
 
 
 def foreseen(data: xarray.Dataset) -> npt.NDArray[np.bool_]:
-    """Return for all fates (multiple, start) whether they are those that the saddle of unequal widths sets.
+    """Return for all fates (multiple, start) whether they are those that the saddle predicts.
 
-    Below the threshold all merge; above, what is narrower than the saddle, which has no stripe in the end.
+    Below the threshold all merge; above it those whose narrow stripe is narrower than that of the saddle.
     """
     at, width = data["saddle_multiple"].values, data["saddle_width"].values
     edge = np.interp(data["multiple"].values, at, width, left=0.5, right=0.0)[:, None]
     return np.asarray((data["last_width"].values > 0) == (data["first_width"].values > edge))
 
 
+# Judged
+
+
 def verdict(data: xarray.Dataset) -> Verdict:
-    """Judge: fronts obey the law, all merge without flow, and flow stops them from the threshold on."""
+    """Judge: fronts obey the law, all merge without flow, and flow above the threshold stops them."""
     params = [Parameters(alpha_p=value, alpha_u=0.0) for value in data["alpha_p"].values]
     far = data["distance"].values > FAR * np.array([front(each)[0] for each in params])[:, None]
     speed, law = data["speed"].values[far], data["law"].values[far]
@@ -120,8 +125,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
     counts = np.sum(data["ended"].values == REGIMES.index("cyclosis"), axis=1)
     shares = [proportion(int(count), data.sizes["seed"]) for count in counts]
     flow = data["flow"].values
-    told = {0, int(np.argmax(flow > 1)), flow.size - 1}
-    from_disorder = ", ".join(f"{in_words(shares[k])} at {flow[k]:g}" for k in sorted(told))
+    reported = {0, int(np.argmax(flow > 1)), flow.size - 1}
+    from_disorder = ", ".join(f"{in_words(shares[k])} at {flow[k]:g}" for k in sorted(reported))
     critical, long = (float(data.attrs[name]) for name in ("threshold", "life"))
     text = (
         f"without flow {int(alone.sum())} of {alone.size} pairs of fronts merged, at speeds from "
@@ -135,6 +140,15 @@ def verdict(data: xarray.Dataset) -> Verdict:
     if not (alone.all() and stable) or above.all():
         return Verdict(DOES_NOT, text)
     return Verdict(AGREES if below.all() and miss < CLOSE else IN_PART, text)
+
+
+def decisive(data: xarray.Dataset) -> str:
+    """Return the flow from which equal stripes are stable, in units of the predicted threshold."""
+    zero = crossing(data["near"].values, data["growth"].values)
+    return f"{zero:.3f} times the predicted threshold makes stripes stable"
+
+
+# Drawn
 
 
 def draw(data: xarray.Dataset) -> Figure:
@@ -206,15 +220,18 @@ def _multiples(ax: Any, shown: Array) -> None:
 
 EXPERIMENT = Experiment(
     name="coalescence",
+    headline="Without flow opposite streams merge; weak flow makes two stripes stable.",
     claim="Without alignment by flow, fronts between opposite streams always merge in the end; above a small "
     "threshold flow makes two stripes stable.",
     source="Flow-Stabilized Pattern Formation",
-    method="Stripes of unequal widths are prepared and followed: closing speeds at α_p = 0.1 to 1 "
-    "without flow against the law of fronts; at α_p = 0.1 the rate at which a small difference of widths "
-    "grows at 0.5 to 2 times the threshold, and the fate of narrow stripes; and the end of disorder.",
+    method="Stripes of unequal widths are prepared and integrated. Closing speeds at α_p = 0.1 to 1 without "
+    "flow are compared with the law of fronts. At α_p = 0.1 are measured the rate at which a small "
+    "difference of widths grows at 0.5 to 2 times the threshold, the fate of narrow stripes, and the end of "
+    "disordered cells.",
     seeds=200,
     quick_seeds=16,
     measure=measure,
     verdict=verdict,
+    decisive=decisive,
     draw=draw,
 )

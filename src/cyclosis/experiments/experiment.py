@@ -1,4 +1,4 @@
-"""What an experiment is: a claim, how it is tested, what came out."""
+"""What an experiment is: a claim, how it is tested, and the result."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from .lab import Lab
 
 AGREES, IN_PART, DOES_NOT = OUTCOMES = ("agrees", "in part", "does not")
-"""How a claim stands: as the paper says, with a reservation that the sentence names, or not so."""
+"""Whether a claim holds: as the paper says, with a reservation that the sentence names, or not."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How a claim stands: `outcome`, one of `OUTCOMES`, and the sentence with the numbers that say so.
+    """Whether a claim holds: `outcome`, one of `OUTCOMES`, and a sentence with the numbers that decide it.
 
     Example:
         >>> from cyclosis.experiments import Verdict
@@ -37,9 +37,10 @@ class Verdict:
 class Experiment:
     """A virtual experiment.
 
-    `claim` is the paper's, in our words, `source` where it stands, `method` what is done and measured.
-    `seeds` is the number of seeds of the full form and `quick_seeds` that of the quick one. `measure` makes
-    the dataset, from which alone `verdict` and `draw` follow: a stored dataset gives the same again.
+    `claim` is the paper's, in our words, `headline` the same in one short sentence, `source` its place in the
+    paper, `method` what is done and measured. `seeds` is the number of seeds of the full form and
+    `quick_seeds` that of the quick one. `measure` makes the dataset, from which alone `verdict`, `decisive`
+    (the one number that decides, with its interval) and `draw` follow: a stored dataset gives the same again.
 
     Example:
         >>> from cyclosis.experiments import experiment
@@ -51,6 +52,7 @@ class Experiment:
     """
 
     name: str
+    headline: str
     claim: str
     source: str
     method: str
@@ -58,4 +60,5 @@ class Experiment:
     quick_seeds: int
     measure: Callable[[Lab], xarray.Dataset]
     verdict: Callable[[xarray.Dataset], Verdict]
+    decisive: Callable[[xarray.Dataset], str]
     draw: Callable[[xarray.Dataset], Figure]

@@ -1,4 +1,4 @@
-"""Fronts between opposite streams in cells that do not vary along their axis: how they move, and the law."""
+"""Fronts between opposite streams in cells that do not vary along their axis: their motion and its law."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ..model.parameters import Parameters
 from ..stability import elliptic_growth
 
 FASTEST = 1e-9
-"""Speed below which rounding blurs it."""
+"""Speed below which rounding dominates."""
 SETTLED, LONGEST = 30.0, 5000.0
 POINTS = 192
 """Points around cells that do not vary along their axis: with 48 the grid pins the fronts of α_p = 1."""
 WEAK = 0.1
-"""Bundling of cells whose threshold is looked for: there fronts creep fast enough to see."""
+"""Bundling of cells whose threshold is measured: there fronts move fast enough to observe."""
 END = 1e5
-"""Time by which the fate of fronts at that bundling is settled."""
+"""Time by which the fate of fronts at that bundling is decided."""
 
 
 def front(params: Parameters) -> tuple[float, float]:
@@ -28,7 +28,7 @@ def front(params: Parameters) -> tuple[float, float]:
 
 
 def fronts(params: Parameters, grid: CylinderGrid, distance: float) -> Array:
-    """Return two fronts: a stripe of a width in radians points down about θ = π, all else up."""
+    """Return two fronts: a stripe of a width in radians about θ = π points down, everything else up."""
     w, order = front(params)
     state = np.zeros((2, *grid.shape))
     state[1] = (order * np.tanh((np.abs(grid.theta - np.pi) - 0.5 * distance) / w))[:, None]
@@ -42,9 +42,9 @@ def apart(P: Array) -> float:
 
 
 def closing(params: Parameters, distance: float) -> float:
-    """Return the speed at which two fronts at a distance in radians near each other at α_u = 0, in theory.
+    """Return the theoretical closing speed of two fronts at a distance in radians at α_u = 0.
 
-    Of the distance D = π - 2δ; the law is dδ/dt = λ (w/4) sinh(4δ/w).
+    The distance is D = π - 2δ; the law is dδ/dt = λ (w/4) sinh(4δ/w).
     """
     w, _ = front(params)
     return float(elliptic_growth(params) * 0.5 * w * np.sinh(2 * (np.pi - distance) / w))
@@ -58,7 +58,7 @@ def life(alpha_p: float, width: float) -> float:
 
 
 def creep(alpha_p: float, far: float) -> tuple[float, float, float]:
-    """Return distance, closing speed and the law's for fronts `far` widths apart at α_u = 0, NaN if none."""
+    """Return distance, closing speed and that of the law for fronts `far` widths apart at α_u = 0, or NaN."""
     params = Parameters(alpha_p=alpha_p, alpha_u=0.0)
     w, _ = front(params)
     if far * w > 0.46 * 2 * np.pi:
@@ -75,7 +75,7 @@ def creep(alpha_p: float, far: float) -> tuple[float, float, float]:
 
 
 def fate(alpha_u: float, width: float) -> tuple[float, float]:
-    """Return the width of the narrow stripe, in turns, once settled to its profile and in the end."""
+    """Return the width of the narrow stripe, in turns, once its profile has relaxed and at the end."""
     params = Parameters(alpha_p=WEAK, alpha_u=alpha_u)
     grid = CylinderGrid(POINTS, 8, 5.0)
     start = fronts(params, grid, 2 * np.pi * width)

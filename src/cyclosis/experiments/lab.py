@@ -1,4 +1,4 @@
-"""Where experiments are done: many seeds go through the sweep engine, single stories through `simulate`."""
+"""Where experiments are run: many seeds with the sweep engine, single cells with `simulate`."""
 
 from __future__ import annotations
 
@@ -15,27 +15,28 @@ from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from ..model.system import flow
-from ..sweep.collect import open_sweep
+from ..sweep.cluster.local_cluster import local_client
+from ..sweep.cluster.pickling import shipped
 from ..sweep.execute import run_sweep
-from ..sweep.local import local_client
-from ..sweep.plan import Sweep
-from ..sweep.shipped import shipped
+from ..sweep.plan.sweep import Sweep
+from ..sweep.store.read import open_sweep
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from ..dynamics.protocol import Protocol
     from ..dynamics.trajectory import Trajectory
-    from ..sweep.tally import SweepProgress
+    from ..sweep.cluster.progress import SweepProgress
 
 Told = Callable[[str, "SweepProgress"], None]
 
 
 class Lab:
-    """The bench of one experiment: how many `seeds`, whether it is `quick`, and where sweeps are stored.
+    """The resources of one experiment: how many `seeds`, whether it is `quick`, and where sweeps are stored.
 
-    As a context it starts worker processes with the first sweep and stops them at the end. Stores stay in
-    `folder`, so that an experiment that was cut off goes on where it was. `told` hears of progress.
+    As a context manager it starts worker processes with the first sweep and stops them at the end. Stores
+    remain in `folder`, so that an interrupted experiment continues where it stopped. `told` is called with
+    progress.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class Lab:
         """Compute a sweep given as tables, or what is missing of it, and return its dataset in memory.
 
         [ensemble] seeds is the lab's number of seeds and the grid 48 x 48, unless the tables say otherwise.
-        Raises `InputError` if members failed or it was interrupted.
+        Raises `InputError` if members failed.
         """
         whole = {
             "grid": {"n_theta": 48, "n_z": 48},
@@ -85,14 +86,15 @@ class Lab:
         summary = run_sweep(sweep, store, self._running(), progress=told)
         if summary.status != "complete":
             rule = f"complete, and it is {summary.status} ({summary.message.rstrip('.')})"
-            raise InputError("the sweep", str(store), rule, "start the experiment again: it goes on")
+            raise InputError("the sweep", str(store), rule, "start the experiment again to continue it")
         with open_sweep(store, variables=variables) as data:
             return data.load()
 
     def each(self, label: str, function: Callable[..., Any], items: Iterable[tuple[Any, ...]]) -> list[Any]:
         """Return function(*item) for every item, in order, computed by the workers.
 
-        For what a sweep does not record, such as a course over time. `function` is one of a module.
+        For quantities that a sweep does not record, such as a course over time. `function` must be defined
+        in a module.
         """
         listed = list(items)
         called = shipped(lambda item: function(*item))
@@ -111,12 +113,8 @@ class Lab:
         **settings: Any,
     ) -> Trajectory:
         """Run one cell and return its trajectory; `times` are those of saved frames (default: the end)."""
-        run = simulate(
-            params, grid, state, t_end, save_at=tuple(times) or (t_end,), protocol=protocol, **settings
-        )
-        if run.status == "interrupted":
-            raise InputError("the run", "interrupted", "left to its end", "start the experiment again")
-        return run
+        saved = tuple(times) or (t_end,)
+        return simulate(params, grid, state, t_end, save_at=saved, protocol=protocol, **settings)
 
     def _running(self) -> Any:
         if self._client is None:

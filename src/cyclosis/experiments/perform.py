@@ -1,4 +1,4 @@
-"""Doing an experiment: measure, judge, draw, and leave dataset and figure in a folder."""
+"""Run an experiment: measure, judge, draw, and write dataset and figure to a folder."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .lab import Lab, Told
 
 MOST_SEEDS = 100_000
 STORES = "stores"
-"""Folder, beside the results, of the sweeps of all experiments."""
+"""Folder, next to the results, for the sweeps of all experiments."""
 
 
 @dataclass(frozen=True)
 class Performance:
-    """What an experiment left: its dataset, its verdict, and the files it was written to.
+    """The results of an experiment: its dataset, its verdict, and the files they were written to.
 
     Example:
         >>> from cyclosis.experiments import perform
@@ -48,11 +48,12 @@ def perform(
     force: bool = False,
     told: Told | None = None,
 ) -> Performance:
-    """Do an experiment and return what it left in the folder `out`: NAME.nc and NAME.png.
+    """Run an experiment, write NAME.nc and NAME.png to the folder `out`, and return the results.
 
-    `seeds` replaces the experiment's own number of seeds; `quick` takes few, and less of all else. What its
-    sweeps have computed stays in `out`/stores, so that the same call goes on after an interruption.
-    Raises `InputError` for an unknown name, files that stand (unless `force`), and seeds out of range.
+    `seeds` replaces the experiment's default number of seeds; `quick` uses few, and fewer or shorter runs of
+    every kind. Completed parts of sweeps stay in `out`/stores, so that the same call continues after an
+    interruption. Raises `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
+    range.
 
     Example:
         >>> from cyclosis.experiments import perform
@@ -65,7 +66,7 @@ def perform(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        rule = "a folder that can be made"
+        rule = "a folder that can be created"
         raise InputError("out", str(folder), rule, f"choose another ({error.strerror})") from error
     file, picture = folder / f"{name}.nc", folder / f"{name}.png"
     for target in (file, picture):
@@ -75,6 +76,7 @@ def perform(
     kind = f"{name}-{'quick' if quick else 'full'}-{count}"
     with Lab(folder / STORES / kind, count, quick, workers, told) as lab:
         data = labelled(chosen, chosen.measure(lab), count, quick)
+    picture.unlink(missing_ok=True)  # an interruption must not leave an old figure beside new data
     write_table(data, file)
     style.save(chosen.draw(data), picture)
     return Performance(chosen, data, verdict_of(data), file, picture)
@@ -103,5 +105,5 @@ def verdict_of(data: xarray.Dataset) -> Verdict:
     try:
         return Verdict(str(data.attrs["verdict"]), str(data.attrs["measured"]))
     except KeyError as error:
-        rule = "that of an experiment"
+        rule = "one written by an experiment"
         raise InputError("dataset", "this one", rule, "make one with `cyclosis experiment`") from error

@@ -21,8 +21,10 @@ from .statistics import circular, in_words, proportion
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Computed
+
 ARREST, WASHED, END = 20.0, 40.0, 400.0
-"""Times at which the drug is given, is washed out, and the cell is looked at."""
+"""Times at which the drug is given, is washed out, and the cell is measured."""
 TIMES = (ARREST - 1, WASHED, WASHED + 8, WASHED + 25, END)
 STEPS = [
     # Cytochalasin and oryzalin: bundling stops and the cables fall apart.
@@ -33,7 +35,7 @@ STEPS = [
 LEVEL = 0.01
 """Level of significance of the tests of uniformity."""
 EQUAL = 0.005
-"""Difference of a stripe's width from a half that counts as none."""
+"""Difference of a stripe's width from a half that counts as zero."""
 
 
 def measure(lab: Lab) -> xarray.Dataset:
@@ -51,7 +53,7 @@ def measure(lab: Lab) -> xarray.Dataset:
     shift = np.where(back, [rising(one) for one in profile], np.nan)
     width = np.where(back, np.asarray(swept["stripe_width"].values)[:, 0], np.nan)
     grid = CylinderGrid(48, 48, 5.0)
-    told = lab.story(
+    run = lab.story(
         Parameters(),
         grid,
         initial.stripes(grid),
@@ -60,7 +62,7 @@ def measure(lab: Lab) -> xarray.Dataset:
         Protocol.from_tables(STEPS, seed=1),
         rtol=1e-3,
     )
-    found = frames(told, TIMES)
+    found = frames(run, TIMES)
     found["recovered"] = "seed", back
     found["zone_shift"] = "seed", shift
     found["width"] = "seed", width
@@ -70,14 +72,17 @@ def measure(lab: Lab) -> xarray.Dataset:
 def rising(profile: Array) -> float:
     """Return the angle, in radians, at which an axial mean P_z (n_theta,) of two stripes turns upward.
 
-    By the phase of its first wave, of which that angle is a quarter turn ahead.
+    From the phase of its first wave, which that angle leads by a quarter turn.
     """
     wave = np.fft.rfft(profile)[1]
     return float(np.mod(-np.angle(wave) - 0.5 * np.pi, 2 * np.pi))
 
 
+# Judged
+
+
 def verdict(data: xarray.Dataset) -> Verdict:
-    """Judge: the pattern returns, its place is uniformly random, and stripes are equal."""
+    """Judge: the pattern returns, its position is uniformly random, and stripes are equal."""
     back = np.asarray(data["recovered"].values, dtype=bool)
     share = proportion(int(back.sum()), back.size)
     shift, width = (np.asarray(data[name].values)[back] for name in ("zone_shift", "width"))
@@ -96,8 +101,17 @@ def verdict(data: xarray.Dataset) -> Verdict:
     return Verdict(AGREES if good and share[1] > 0.9 else IN_PART if good else DOES_NOT, text)
 
 
+def decisive(data: xarray.Dataset) -> str:
+    """Return the share of cells in which cyclosis returned."""
+    back = np.asarray(data["recovered"].values, dtype=bool)
+    return f"{in_words(proportion(int(back.sum()), back.size))} of cells return to cyclosis"
+
+
+# Drawn
+
+
 def draw(data: xarray.Dataset) -> Figure:
-    """Draw a cell through arrest and recovery, where zones came back, and how wide stripes are."""
+    """Draw a cell through arrest and recovery, where zones returned, and how wide stripes are."""
     titles = [f"$t$ = {time:g}" for time in data["frame_time"].values]
     titles[0] += ", before"
     titles[1] += ", washed out"
@@ -124,14 +138,17 @@ def draw(data: xarray.Dataset) -> Figure:
 
 EXPERIMENT = Experiment(
     name="recovery",
+    headline="Once the drug is washed out cyclosis returns, with its zones in a new place.",
     claim="After the cables have been disorganised and the drug is washed out, cyclosis re-establishes "
     "itself with two equal stripes, and the indifferent zone is found in a new position.",
     source="Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2",
-    method="Two stripes; at t = 20 bundling is set to zero and all filaments are fragmented; at t = 40 it is "
-    "washed out; at t = 400 the zone's shift about the axis is tested for uniformity (Rayleigh, Kuiper).",
+    method="In cells with two stripes bundling is set to zero and all filaments are fragmented at t = 20. "
+    "The drug is washed out at t = 40. At t = 400 the zone's shift about the axis is tested for uniformity "
+    "(Rayleigh, Kuiper).",
     seeds=256,
     quick_seeds=16,
     measure=measure,
     verdict=verdict,
+    decisive=decisive,
     draw=draw,
 )

@@ -1,4 +1,4 @@
-"""Statistics of experiments: tests by name, and intervals."""
+"""Statistics of experiments: named tests, and intervals."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def proportion(count: int, total: int) -> tuple[float, float, float]:
 def median_interval(values: npt.ArrayLike) -> tuple[float, float, float]:
     """Return the median of values (n,) and the ends of its exact 95 % interval, by order statistics.
 
-    The interval is that of the binomial sign test; infinite ends where n is too small for one.
+    The interval is that of the binomial sign test; its ends are infinite where n is too small.
     """
     x = np.sort(np.ravel(np.asarray(values, dtype=np.float64)))
     n = x.size

@@ -1,4 +1,4 @@
-"""Streaming returns with its old handedness, and in its old place, only if some bundles have survived."""
+"""Streaming returns with its old handedness, and in its old place, only if some bundles survive."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from .survivors import effect, shifts, within
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Computed
+
 GRID = CylinderGrid(48, 48, 5.0)
 FILAMENTS = 1000
 """Filaments in every square of the grid, as in the paper."""
@@ -28,20 +30,20 @@ ALL = FILAMENTS * GRID.n_theta * GRID.n_z
 ARREST, WASHED, END, QUICK_END = 5.0, 25.0, 125.0, 75.0
 TIMES = (ARREST - 1, ARREST, WASHED, WASHED + 12, END)
 
-# Shares are those of filaments that still point the old way: the mean of |P|.
+# Shares are those of filaments that keep their old direction: the mean of |P|.
 THINNED = (0.0, 1e-4, 2e-4, 4e-4, 7e-4, 1.2e-3, 2e-3, 5e-3)
-"""Shares that survive spread over both stripes, each filament having had the same chance."""
+"""Shares that survive spread over both stripes, each filament with the same probability."""
 QUICK_THINNED = (0.0, 4e-4, 5e-3)
 SQUARES = (0.0, 0.3, 0.6, 1.0, 2.0, 4.0, 12.0, 48.0)
-"""Squares of the grid that survive in one cable amid the upward stripe; 48 are the whole cable."""
+"""Squares of the grid that survive in one cable within the upward stripe; 48 are the whole cable."""
 QUICK_SQUARES = (0.0, 1.0, 12.0)
 TOLD, TURNED = 12.0, 2.6
-"""How many the figure tells of, and about how far the zone of the cell without any has turned, in radians."""
+"""Squares in the figure, and about how far the zone of the cell without survivors has turned, in radians."""
 SPREAD_WAVE, CABLE_WAVE = 0.5 * np.pi, 2.0
-"""The wave once around the cell over the mean of |P|: of a sine, and of a cable where that is highest."""
+"""The wave once around the cell over the mean of |P|: for a sine, and for a cable at the sine's maximum."""
 
 CHANCE_LEVEL = 0.01
-"""Level of significance of the tests that places are random."""
+"""Level of significance of the tests that positions are random."""
 MOST = 0.9
 """Share of cells that must keep their handedness with most survivors; its interval must exclude chance."""
 NEAR = np.pi / 6
@@ -78,9 +80,9 @@ def _with_cable(lab: Lab, squares: float) -> Array:
 
 
 def steps(squares: float) -> list[dict[str, Any]]:
-    """Return what is done to a cell of which so many squares of one cable survive.
+    """Return the protocol for a cell in which so many squares of one cable survive.
 
-    Below one square the filaments of that are thinned.
+    Below one square its filaments are thinned.
     """
     theta, z = 2 * np.pi / GRID.n_theta, GRID.length / GRID.n_z
     end = min(np.ceil(squares) * z - 0.5 * z, GRID.length - 1e-6)
@@ -100,17 +102,17 @@ def steps(squares: float) -> list[dict[str, Any]]:
 
 
 def _cells(lab: Lab, without: Array) -> xarray.Dataset:
-    """Return frames of a cell of which a piece of cable survives, and of one without, which turned round.
+    """Return frames of a cell in which a piece of cable survives, and of one without, whose pattern turned.
 
-    Of the latter the one whose zone can be seen from where the cable can.
+    The latter is the one whose zone is visible from the side of the cable.
     """
     other = int(np.nanargmin(np.abs(np.nan_to_num(without, nan=-np.inf) - TURNED)))
-    told = []
+    shown = []
     for squares, seed, times in ((TOLD, 0, TIMES), (0.0, other, (END,))):
         protocol = Protocol.from_tables(steps(squares), seed=seed)
         run = lab.story(Parameters(), GRID, initial.stripes(GRID), END, times, protocol, rtol=1e-3)
-        told.append(frames(run, times))
-    return xarray.concat(told, "frame", combine_attrs="override", data_vars="minimal")
+        shown.append(frames(run, times))
+    return xarray.concat(shown, "frame", combine_attrs="override", data_vars="minimal")
 
 
 def expected(data: xarray.Dataset, kind: str, share: Array | None = None) -> Array:
@@ -121,12 +123,23 @@ def expected(data: xarray.Dataset, kind: str, share: Array | None = None) -> Arr
 
 
 def counted(data: xarray.Dataset, kind: str, angle: float) -> tuple[Array, int]:
-    """Return how many cells came back within an angle of the old place, by share (n,), of how many each.
+    """Return how many cells returned to within an angle of the old place, by share (n,), of how many each.
 
-    Cells without two stripes have not come back.
+    Cells without two stripes have not returned.
     """
     shift = np.asarray(data[f"{kind}_shift"].values)
     return np.sum(np.abs(np.nan_to_num(shift, nan=np.inf)) < angle, axis=-1), shift.shape[-1]
+
+
+def by_chance(data: xarray.Dataset, kind: str) -> tuple[float, float, float]:
+    """Return the share of returned cells without survivors, with its interval, that have their handedness."""
+    shift = np.asarray(data[f"{kind}_shift"].values)[0]
+    back = shift[np.isfinite(shift)]
+    kept = int(np.sum(np.abs(back) < 0.5 * np.pi))
+    return proportion(kept, back.size) if back.size else (0.0, 0.0, 0.0)
+
+
+# Judged
 
 
 def verdict(data: xarray.Dataset) -> Verdict:
@@ -138,13 +151,13 @@ def verdict(data: xarray.Dataset) -> Verdict:
         hand, total = counted(data, kind, 0.5 * np.pi)
         back = shift[0][np.isfinite(shift[0])]
         lost[kind] = int(np.isnan(shift).sum()), shift.size
-        chance = proportion(int(np.sum(np.abs(back) < 0.5 * np.pi)), back.size) if back.size else (0.0,) * 3
+        chance = by_chance(data, kind)
         test = circular(back) if back.size > 1 else None
         even = chance[1] <= 0.5 <= chance[2] and test is not None
         random.append(even and test is not None and min(test.rayleigh, test.kuiper) > CHANCE_LEVEL)
         most = proportion(int(hand[-1]), total)
         kept.append(most[0] > MOST and most[1] > 0.5)
-        # The law is about the phase of stripes: cells that have none say nothing of it, and are told apart.
+        # The law concerns the phase of stripes: cells without stripes are left out, and counted separately.
         returned = np.isfinite(shift).sum(axis=-1)
         factor = effect(expected(data, kind)[1:], hand[1:], returned[1:])
         needed.append((chance, most, test, factor))
@@ -170,6 +183,11 @@ def verdict(data: xarray.Dataset) -> Verdict:
     return Verdict(good, text)
 
 
+def decisive(data: xarray.Dataset) -> str:
+    """Return the share of cells without survivors that regain their handedness."""
+    return f"{in_words(by_chance(data, 'thinned'))} regain it without survivors"
+
+
 def _share(factor: tuple[float, float, float], wave: float) -> str:
     """Return in words the share of filaments with which 95 % of cells with stripes keep their handedness."""
     value, low, high = (1.645 / (wave * np.sqrt(ALL)) / max(r, 1e-9) for r in factor)
@@ -180,8 +198,11 @@ def _factor(factor: tuple[float, float, float]) -> str:
     return f"{factor[0]:.2f} ({factor[1]:.2f} to {factor[2]:.2f})"
 
 
+# Drawn
+
+
 def draw(data: xarray.Dataset) -> Figure:
-    """Draw a cell of which a piece of cable survives, one without, and what the seeds say by share."""
+    """Draw a cell in which a piece of cable survives, one without, and the results of all seeds by share."""
     times = np.asarray(data["frame_time"].values)
     titles = [f"$t$ = {time:g}" for time in times]
     for k, name in ((0, ", before"), (1, ", fragmented"), (2, ", washed out")):
@@ -240,16 +261,19 @@ def draw(data: xarray.Dataset) -> Figure:
 
 EXPERIMENT = Experiment(
     name="surviving-seeds",
+    headline="Cells keep their old handedness only if some bundles survive.",
     claim="After their bundles have been broken up, cells stream again with the old handedness, and in the "
     "old place, only if some bundles outlived the treatment.",
     source="Introduction (Ryu et al. 1995, on Vallisneria)",
-    method="Two stripes are thinned to 0 to 0.5 % of their filaments amid 1000 disordered ones a square, and "
-    "followed to their certain end; or, with bundling stopped for 20 R/U, all is fragmented but a piece of "
-    "one cable, 0 to 2 % of the filaments, and cells are looked at 100 R/U after. The zone's shift is "
-    "compared with a phase that survivors must win against the square root of all filaments.",
+    method="Two stripes are thinned to 0 to 0.5 % of their filaments amid 1000 disordered ones a square, "
+    "and integrated until their end is certain. Or, with bundling stopped for 20 R/U, everything is "
+    "fragmented except a piece of one cable, 0 to 2 % of the filaments, and cells are inspected 100 R/U "
+    "later. The zone's shift is compared with a law in which survivors compete with the square root of all "
+    "filaments.",
     seeds=200,
     quick_seeds=12,
     measure=measure,
     verdict=verdict,
+    decisive=decisive,
     draw=draw,
 )

@@ -1,12 +1,13 @@
-"""Surviving filaments against the disorder of all others: which of the two says where the stripes come back.
+"""Surviving filaments against the disorder of all others: which of the two decides where stripes return.
 
-A disordered state grows at first as the linear equation has it, in which the wave once around the cell,
-P_z ~ Re c exp(iθ), keeps its phase. Of M filaments pointing anywhere, c is complex and normal, with the
-standard deviation M^(-1/2) in both parts; survivors add their own wave A. So the phase that grows out is
+A disordered state grows at first by the linear equation, in which the wave once around the cell,
+P_z ~ Re c exp(iθ), keeps its phase. For M filaments of random direction c is complex and normal, with the
+standard deviation M^(-1/2) in both parts; survivors add a wave A. So the phase of the pattern that grows is
 that of a plane normal vector displaced by a = A M^(1/2).
 
-This is the linear equation's answer. Waves compete once they saturate, so that by how much survivors fall
-short of it is measured (`effect`); and it is silent on whether two stripes come back at all.
+This is the prediction of the linear equation. Waves compete once they saturate, so that the effect of
+survivors is smaller, by a factor that is measured (`effect`); and the equation does not say whether two
+stripes return at all.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from .recovery import rising
 DROP = 0.5 * float(scipy.stats.chi2.ppf(0.95, 1))
 """By how much the log likelihood falls to the ends of a 95 % interval."""
 STRONGEST = 30.0
-"""Largest factor that is looked at."""
+"""Largest factor considered."""
 
 
 def within(angle: float, a: npt.ArrayLike) -> Array:
@@ -44,7 +45,7 @@ def within(angle: float, a: npt.ArrayLike) -> Array:
 def effect(a: npt.ArrayLike, kept: npt.ArrayLike, total: npt.ArrayLike) -> tuple[float, float, float]:
     """Return the factor r with which Φ(r a) fits counts best, and the ends of its 95 % likelihood interval.
 
-    a (n,) is what the law expects, `kept` of `total` (n,) what was counted. 1 is the law itself.
+    a (n,) is the prediction of the law, `kept` of `total` (n,) are the counts. r = 1 is the law itself.
     """
     x, good, all_of = (np.asarray(values, dtype=np.float64) for values in (a, kept, total))
 
@@ -69,9 +70,9 @@ def wrapped(angle: npt.ArrayLike) -> Array:
 
 
 def shifts(swept: xarray.Dataset) -> Array:
-    """Return how far, between -π and π, stripes that rose at θ = 0 have moved; NaN where there are no two.
+    """Return how far, from -π to π, stripes that rose at θ = 0 have moved; NaN unless there are two.
 
-    By members (...), from their `profile` (..., component, theta) and `regime`.
+    For members (...), from their `profile` (..., component, theta) and `regime`.
     """
     profile = np.asarray(swept["profile"].sel(component="z").values)
     angle = np.apply_along_axis(rising, -1, profile)

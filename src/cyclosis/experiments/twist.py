@@ -1,7 +1,8 @@
-"""The helical twist of the streaming pattern: whether a tilted repulsive direction makes it."""
+"""The helical twist of the streaming pattern: whether a tilted direction of repulsion produces it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,27 +17,72 @@ from ..model import initial
 from ..model.grid import Array, CylinderGrid, interpolate
 from ..model.parameters import Parameters
 from ..model.system import flow
+from ..stability import cyclosis, steady_state
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
-from .helices import filament_tilt, leaning, speed_along, winding, wound
 from .lab import Lab
 from .statistics import in_words, median_interval, proportion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Computed
+
+
+def wound(grid: CylinderGrid, turns: int, magnitude: float = 0.8) -> Array:
+    """Return two stripes that wind about the axis `turns` times to the left, with filaments along them."""
+    angle = np.arctan(2 * np.pi * turns / grid.length)
+    phase = grid.theta[:, None] + 2 * np.pi * turns * grid.z[None, :] / grid.length
+    return magnitude * np.stack([-np.sin(angle) * np.sin(phase), np.cos(angle) * np.sin(phase)])
+
+
+def winding(zones: Iterable[tuple[int, int]]) -> float:
+    """Return how often two zones wind to the left along the cell, from their windings.
+
+    NaN unless there are just two, with the same winding, that run along the cell. Closed loops do not count.
+    """
+    open_ones = [turns for turns in zones if turns != (0, 0)]
+    if len(open_ones) != 2 or any(abs(along) != 1 for _, along in open_ones):
+        return float("nan")
+    first, second = (-around * along for around, along in open_ones)
+    return float(first) if first == second else float("nan")
+
+
+def filament_tilt(P: Array) -> float:
+    """Return the angle to the left of the axis, in radians, of the principal direction of P (2, ...)."""
+    across, along, mixed = np.mean(P[0] ** 2), np.mean(P[1] ** 2), np.mean(P[0] * P[1])
+    return float(0.5 * np.arctan2(-2 * mixed, along - across))
+
+
+def leaning(tilt: float) -> float:
+    """Return the theoretical tilt of the filaments in the steady state with straight zones."""
+    grid = CylinderGrid(48, 8, 5.0)
+    return filament_tilt(steady_state(Parameters(repulsion_angle=tilt), grid, wound(grid, 0)).state)
+
+
+def speed_along(tilt: float) -> float:
+    """Return the theoretical peak speed of stripes along the easy direction of a tilted d.
+
+    They are those of d = e_theta on a circumference of 2π cos(tilt), the length of a cut at right angles to
+    them; lengths in d_s and μ are therefore measured in units of cos(tilt).
+    """
+    narrower, params = np.cos(tilt) ** 2, Parameters()
+    params = params.replace(d_s=params.d_s / narrower, mu=params.mu / narrower)
+    return float(np.abs(cyclosis(params).u).max())
+
+
 TILT = 0.4
 """Angle of d from the circumference, in radians, of cells of several lengths."""
 PITCH = float(2 * np.pi / np.tan(TILT))
-"""Length on which stripes along the easy direction, at right angles to that d, go round just once."""
+"""Length over which stripes along the easy direction, at right angles to that d, wind just once."""
 LENGTHS = {5.0: 48, 10.0: 96, PITCH: 128}
-"""Lengths of cells, and points along them: as fine in all."""
+"""Lengths of cells, and points along them, with nearly the same spacing."""
 TILTS = (0.2, 0.3, TILT)
 """Tilts of d in cells of the paper's length."""
 HELICES = (0.2, 0.3, 0.4, 0.5, 0.6)
 END = 250.0
 TIMES = (10.0, 30.0, END)
 LIKELY = 0.05
-"""Share of cells from which on a twist counts as one that the model makes."""
+"""Share of cells above which a twist counts as produced by the model."""
 WINDING, FILAMENTS, SPEED = range(3)
 
 
@@ -71,7 +117,7 @@ def measure(lab: Lab) -> xarray.Dataset:
     seed = int(helical[0]) if helical.size else 0
     short, long = lab.each("frames", pictures, [(5.0, 0, (END,)), (longest, seed, TIMES)])
     found["lean_tilt"] = "lean", list(tilts)
-    # Newton's method on the whole cell is what takes longest in the quick form.
+    # Newton's method on the whole cell would take longest in the quick form.
     found["lean_theory"] = "lean", [np.nan if lab.quick else leaning(tilt) for tilt in tilts]
     dims = ("frame", "component", "theta", "z")
     for k, name in enumerate(("P", "u")):
@@ -99,9 +145,9 @@ def grow(tilt: float, length: float, seed: int) -> tuple[float, float, float]:
 
 
 def helix(tilt: float) -> tuple[float, float, float]:
-    """Return the same of a prepared helix along the easy direction, with noise, in a cell of one pitch.
+    """Return the same for a prepared helix along the easy direction, with noise, in a cell of one pitch.
 
-    It turns once along the cell, so that as many points resolve it along the cell as around it.
+    It winds once along the cell, so that it needs as many points along the cell as around it.
     """
     params = Parameters(repulsion_angle=tilt)
     grid = CylinderGrid(48, 48, float(2 * np.pi / np.tan(tilt)))
@@ -115,8 +161,11 @@ def _numbers(params: Parameters, grid: CylinderGrid, P: Array) -> tuple[float, f
     return winding(zone.winding for zone in indifferent_zones(grid, P)), filament_tilt(P), speed
 
 
+# Judged
+
+
 def verdict(data: xarray.Dataset) -> Verdict:
-    """Judge: twist may be left out if no cell makes it; in part if only longer cells than the paper's do."""
+    """Judge: twist may be left out if no cell produces it; in part if only cells longer than usual do."""
     tilt, length, turns = (data[name].values for name in ("tilt", "cell_length", "winding"))
     helical = np.array([proportion(int(np.sum(row > 0)), row.size) for row in turns])
     tilted, paper = tilt > 0, (tilt > 0) & (length == 5)
@@ -144,8 +193,20 @@ def verdict(data: xarray.Dataset) -> Verdict:
     return Verdict(IN_PART if far else AGREES, text)
 
 
+def decisive(data: xarray.Dataset) -> str:
+    """Return the largest share of cells that become helical."""
+    tilted = np.asarray(data["tilt"].values) == TILT
+    helical, length = (data["winding"].values > 0)[tilted], data["cell_length"].values[tilted]
+    most = int(np.argmax(helical.mean(axis=1)))
+    share = proportion(int(helical[most].sum()), helical[most].size)
+    return f"{in_words(share)} of cells of length {length[most]:.3g} become helical"
+
+
+# Drawn
+
+
 def draw(data: xarray.Dataset) -> Figure:
-    """Draw a short and a long cell, how often zones wind, how far they and filaments tilt, and speeds."""
+    """Draw a short and a long cell, how often zones wind, how far filaments tilt, and speeds."""
     tilt, length, turns = (data[name].values for name in ("tilt", "cell_length", "winding"))
 
     def lengths(ax: Any) -> None:
@@ -196,22 +257,24 @@ def draw(data: xarray.Dataset) -> Figure:
 
 
 def _middle(values: Array) -> tuple[float, float, float]:
-    """Return the median of values and its interval, of no length where there are too few for one."""
+    """Return the median of values and its interval, of zero length where there are too few values."""
     middle, low, high = median_interval(values[np.isfinite(values)])
     return (middle, low, high) if np.isfinite(low) and np.isfinite(high) else (middle, middle, middle)
 
 
 EXPERIMENT = Experiment(
     name="twist",
+    headline="The pattern's helical twist can be left out of the model.",
     claim="The pattern's helical twist can be left out of the model: young cells show none, and it comes "
     "later, by twisting growth.",
     source="Model, and Figure 1",
-    method="d is tilted from the circumference by up to 0.4, cells of 5 to 15 radii grow from disorder to "
-    "t = 250, and it is counted how often zones wind about the axis and measured how far filaments lean. "
-    "Helices of one pitch are prepared, disturbed, and their speed set against theory.",
+    method="d is tilted from the circumference by up to 0.4, and cells of 5 to 15 radii grow from disorder "
+    "to t = 250. Measured are how often zones wind about the axis and how far filaments lean. Helices of "
+    "one pitch are prepared and disturbed, and their speed is compared with theory.",
     seeds=200,
     quick_seeds=4,
     measure=measure,
     verdict=verdict,
+    decisive=decisive,
     draw=draw,
 )

@@ -1,25 +1,154 @@
-"""Local damage heals by and by, and the pattern comes back as it was; what if bundling is inhibited."""
+"""Local damage heals gradually to the former pattern; and what happens if bundling is inhibited."""
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
+import scipy.integrate
 import xarray
 
+from ..analysis.zones import DISORDER, crossings
+from ..dynamics.protocol import Protocol, Step, change, fragment
+from ..dynamics.simulate import simulate
+from ..dynamics.trajectory import Trajectory
 from ..figures.frames import facing_zone
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, UP
-from ..model import regions
-from ..model.grid import Array
+from ..model import initial, regions
+from ..model.grid import Array, CylinderGrid
+from ..model.parameters import Parameters
 from ..model.regions import Mask
+from ..model.system import flow
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
 from .lab import Lab, frames
+from .recovery import rising
 from .statistics import in_words, median_interval, proportion
-from .wounds import BEGIN, DRUGS, GRID, MEASURES, MIDDLE, SINCE, by_old_flow, healing, wounded
+from .survivors import wrapped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+# Computed
+
+GRID = CylinderGrid(48, 48, 5.0)
+MIDDLE = 0.5 * GRID.length
+SETTLING, BEGIN = 20.0, 1.0
+"""Time for which stripes relax beforehand, and the time at which the cell is wounded."""
+SINCE = np.concatenate([np.arange(0.0, 8.0, 0.25), np.arange(8.0, 20.0, 1.0), [20.0, 30.0, 45.0, 60.0]])
+"""Times since the wound at which it is measured."""
+HEALED = 0.9
+"""Order inside, projected on that of a cell without the wound and relative to it, at which it is healed."""
+DRUGS = ("none", "everywhere", "in the wound")
+"""Where bundling is inhibited from the time of the wound."""
+MEASURES = ("healed after", "fall", "coherence", "shift", "stripes", "order left")
+
+
+@cache
+def established() -> Array:
+    """Return two stripes (2, n_theta, n_z) as they stream with the paper's parameters."""
+    run = simulate(Parameters(), GRID, initial.stripes(GRID), SETTLING, save_at=(SETTLING,), rtol=1e-3)
+    return run.final_state
+
+
+def place(seed: int) -> float:
+    """Return the angle of the wound of a seed, anywhere around the cell."""
+    return float(np.random.default_rng((seed, 1)).uniform(0, 2 * np.pi))
+
+
+def wounded(seed: int, radius: float, drug: str, theta: float | None = None) -> Trajectory:
+    """Run an established cell with a wound of a radius, at its seed's angle unless `theta` is given."""
+    disc = regions.disc(place(seed) if theta is None else theta, MIDDLE, radius)
+    return _run([fragment(BEGIN, where=disc)], disc, drug, seed)
+
+
+@cache
+def _unwounded(drug: str, seed: int, radius: float) -> Trajectory:
+    return _run([], regions.disc(place(seed), MIDDLE, radius), drug, seed)
+
+
+def _run(steps: list[Step], disc: regions.Region, drug: str, seed: int) -> Trajectory:
+    if drug == "everywhere":
+        steps = [change(BEGIN, alpha_p=0.0), *steps]
+    elif drug == "in the wound":
+        steps = [change(BEGIN, alpha_p=0.0, where=disc), *steps]
+    protocol = Protocol(*steps, seed=seed)
+    times = [0.5 * BEGIN, *(BEGIN + SINCE)]
+    return simulate(Parameters(), GRID, established(), times[-1], save_at=times, rtol=1e-3, protocol=protocol)
+
+
+def healing(seed: int, radius: float, drug: str) -> Array:
+    """Return `MEASURES` of a wound, then its order projected on that of a control cell, over `SINCE`.
+
+    Without the drug the unwounded control does not change; otherwise it is simulated too, so that the result
+    does not include the effect of the drug alone.
+    """
+    run = wounded(seed, radius, drug)
+    inside = regions.disc(place(seed), MIDDLE, radius).mask(GRID)
+    states = np.stack([run.frames[k] for k in _looked_at(run)])
+    if drug == "none":
+        control = np.broadcast_to(established(), states.shape)
+    else:
+        # If the drug is everywhere, the control is the same for all seeds and sizes.
+        same = _unwounded(drug, *((0, 1.0) if drug == "everywhere" else (seed, radius)))
+        control = np.stack([same.frames[k] for k in _looked_at(same)])
+    along = np.sum(states * control, axis=1)[:, inside].mean(axis=1)
+    usual = np.sum(control**2, axis=1)[:, inside].mean(axis=1)
+    own = np.sum(states**2, axis=1)[:, inside].mean(axis=1)
+    course = along / usual
+    shift = wrapped(rising(states[-1, 1].mean(axis=1)) - rising(control[-1, 1].mean(axis=1)))
+    two = striped(states[-1])
+    fall = float(np.max(np.maximum.accumulate(course) - course))
+    half = int(np.argmax(own >= 0.25 * usual)) if (own >= 0.25 * usual).any() else -1
+    coherence = float(along[half] / np.sqrt(own[half] * usual[half]))
+    measured = (healed_after(SINCE, course), fall, coherence, float(shift), float(two), float(course[-1]))
+    return np.array([*measured, *course])
+
+
+def striped(state: Array) -> bool:
+    """Return whether a state is ordered and every circle around the cell is crossed by two zones."""
+    return bool(np.all(crossings(state) == 2) and np.sqrt(np.mean(np.sum(state**2, axis=0))) >= DISORDER)
+
+
+def _looked_at(run: Trajectory) -> npt.NDArray[np.int64]:
+    return np.searchsorted(run.times, BEGIN + SINCE - 1e-6)
+
+
+def healed_after(times: npt.ArrayLike, course: npt.ArrayLike) -> float:
+    """Return the time from which a course (n,) stays at least `HEALED`, by interpolation; NaN if never."""
+    t, order = np.asarray(times, dtype=np.float64), np.asarray(course, dtype=np.float64)
+    low = np.flatnonzero(order < HEALED)
+    if low.size == 0:
+        return float(t[0])
+    k = int(low[-1])
+    if k + 1 == t.size:
+        return np.nan
+    return float(t[k] + (HEALED - order[k]) * (t[k + 1] - t[k]) / (order[k + 1] - order[k]))
+
+
+def by_old_flow(radius: float, seeds: int) -> float:
+    """Return the median time, over the positions of seeds, in which the former flow would heal wounds.
+
+    Each point inside evolves by itself, without diffusion: dP/dt = -d_r P + (1 - P²)(α_p P + α_u u) from
+    P = 0, with the flow u that the cell has without a wound.
+    """
+    params, state = Parameters(), established()
+    u, old = flow(params, GRID, state)[1].mean(axis=1), state[1].mean(axis=1)
+
+    def rate(t: float, P: Array) -> Array:
+        return np.asarray(-params.d_r * P + (1 - P**2) * (params.alpha_p * P + params.alpha_u * u))
+
+    P = scipy.integrate.solve_ivp(
+        rate, (0.0, SINCE[-1]), np.zeros(GRID.n_theta), t_eval=SINCE, rtol=1e-6, atol=1e-9
+    ).y
+    times = []
+    for seed in range(seeds):
+        weight = regions.disc(place(seed), MIDDLE, radius).mask(GRID).sum(axis=1)
+        times.append(healed_after(SINCE, (weight * old) @ P / (weight @ old**2)))
+    return float(np.median(times))
+
 
 RADII = {
     "none": (0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0, 3.4),
@@ -31,22 +160,22 @@ QUICK_RADII = {"none": (0.6, 1.5, 3.0), "everywhere": (0.6, 3.4), "in the wound"
 LOCAL = 0.5
 """Share of the surface up to which damage is local."""
 SAME = 0.1
-"""Radians by which zones may have moved in a pattern that is the same."""
+"""Radians by which zones may move in a pattern that counts as the same."""
 GRADUAL = 0.02
-"""How much order inside may fall back on its way."""
+"""How much order inside may decrease in between."""
 MOST = 0.9
-"""Share of local wounds of every size that must heal so."""
+"""Share of local wounds of every size that must heal in this way."""
 BAND = (0.05, 0.5, 0.95)
 """Quantiles over seeds of the courses that are kept."""
 COURSES = (0.6, 1.5, 3.0)
-"""Sizes whose courses are drawn, as far as they are measured."""
+"""Sizes whose courses are drawn if they are measured."""
 TOLD, LARGE = 1.5, 3.0
-"""Size of the wound that the figure tells of, and of the large one at its end."""
+"""Size of the wound that is drawn, and of the large one at the end of the figure."""
 TOLD_SINCE = (0.0, 1.0, 2.0, 60.0)
 
 
 def measure(lab: Lab) -> xarray.Dataset:
-    """Return what became of every wound, the courses of order inside, and frames of two cells."""
+    """Return the outcome of every wound, the courses of order inside, and frames of two cells."""
     sizes = QUICK_RADII if lab.quick else RADII
     cases = [(drug, radius) for drug in DRUGS for radius in sizes[drug]]
     items = [(seed, radius, drug) for drug, radius in cases for seed in range(lab.seeds)]
@@ -70,31 +199,31 @@ def measure(lab: Lab) -> xarray.Dataset:
 
 
 def _cells(displaced: int) -> xarray.Dataset:
-    """Return frames of a cell with a wound, and the end of that whose large wound displaced the zone most.
+    """Return frames of a cell with a wound, and the end of the one whose large wound displaced the zone most.
 
-    The wound lies where all are looked at from: the side on which the last shows a zone.
+    The wound faces the viewer: it is on the side on which the last cell shows a zone.
     """
     last = wounded(displaced, LARGE, "none")
     end = frames(last, [BEGIN + SINCE[-1]])
     run = wounded(1, TOLD, "none", float(np.mod(facing_zone(last.final_state), 2 * np.pi)))
-    told = frames(run, [0.5 * BEGIN, *(BEGIN + since for since in TOLD_SINCE)])
-    return xarray.concat([told, end], "frame", combine_attrs="override", data_vars="minimal")
+    course = frames(run, [0.5 * BEGIN, *(BEGIN + since for since in TOLD_SINCE)])
+    return xarray.concat([course, end], "frame", combine_attrs="override", data_vars="minimal")
 
 
 def of(data: xarray.Dataset, drug: str, name: str) -> Array:
-    """Return a measure of the wounds with a drug (case, seed), in double precision."""
+    """Return a measure (case, seed) of the wounds with a drug, in double precision."""
     chosen = np.asarray(data["drug"].values) == drug
     values = np.asarray(data["measured"].sel(measure=name).values, dtype=np.float64)
     return np.asarray(values[chosen])
 
 
 def along(data: xarray.Dataset, drug: str, name: str) -> Array:
-    """Return a coordinate, or another number of each case, of the wounds with a drug (case,)."""
+    """Return a coordinate, or another number per case (case,), of the wounds with a drug."""
     return np.asarray(data[name].values)[np.asarray(data["drug"].values) == drug]
 
 
 def same(data: xarray.Dataset, drug: str) -> Mask:
-    """Return which wounds have healed to the pattern of before (case, seed)."""
+    """Return which wounds (case, seed) have healed to the former pattern."""
     healed = np.isfinite(of(data, drug, "healed after"))
     stripes, still = of(data, drug, "stripes") > 0, np.abs(of(data, drug, "shift")) < SAME
     return np.asarray(healed & stripes & still, dtype=np.bool_)
@@ -104,8 +233,11 @@ def _shares(good: Mask) -> list[tuple[float, float, float]]:
     return [proportion(int(row.sum()), row.size) for row in good]
 
 
+# Judged
+
+
 def verdict(data: xarray.Dataset) -> Verdict:
-    """Judge: local wounds heal, to the same pattern, and order inside grows without falling back."""
+    """Judge: local wounds heal, to the same pattern, and order inside grows without decreasing again."""
     share = along(data, "none", "share")
     local = share <= LOCAL
     back, after = same(data, "none"), of(data, "none", "healed after")
@@ -132,14 +264,22 @@ def verdict(data: xarray.Dataset) -> Verdict:
     return Verdict(AGREES if all(steady) else IN_PART if all(good) or any(steady) else DOES_NOT, text)
 
 
+def decisive(data: xarray.Dataset) -> str:
+    """Return the smallest share of cells in which local wounds heal."""
+    share = along(data, "none", "share")
+    local = share <= LOCAL
+    worst = min(_shares(same(data, "none")[local]))
+    return f"{in_words(worst)} of wounds of up to {100 * share[local][-1]:.0f} % of the surface heal"
+
+
 def _healed(after: Array) -> str:
-    """Return in words the median of times, in which wounds that never heal are infinite."""
+    """Return in words the median of times, which are infinite for wounds that never heal."""
     value, low, high = median_interval(np.nan_to_num(after, nan=np.inf))
     return f"{value:.1f} ({low:.1f} to {high:.1f})"
 
 
 def _inhibited(data: xarray.Dataset) -> str:
-    """Return in words what wounds do while bundling is inhibited."""
+    """Return in words how wounds heal while bundling is inhibited."""
     after, stripes = of(data, "everywhere", "healed after"), of(data, "everywhere", "stripes") > 0
     share = along(data, "everywhere", "share")
     small = proportion(int(np.isfinite(after[0]).sum()), after[0].size)
@@ -153,8 +293,11 @@ def _inhibited(data: xarray.Dataset) -> str:
     )
 
 
+# Drawn
+
+
 def draw(data: xarray.Dataset) -> Figure:
-    """Draw a cell that heals, order inside over time, how long it takes, and what bundling does to it."""
+    """Draw a cell that heals, order inside over time, how long it takes, and the effect of bundling."""
     titles = ["before", *(f"wound, $t$ = {since:g}" for since in TOLD_SINCE)]
     titles[2:] = [title.removeprefix("wound, ") for title in titles[2:]]
     titles.append("after a large wound")
@@ -216,14 +359,17 @@ def draw(data: xarray.Dataset) -> Figure:
 
 EXPERIMENT = Experiment(
     name="wound",
+    headline="Local damage heals gradually.",
     claim="Local damage of the actin network heals in a gradual, organised way; the network grows back.",
     source="Introduction (Foissner et al. 1996, Foissner & Wasteneys 1997)",
     method="In a streaming cell all filaments in a disc, anywhere around the cell, are fragmented to 1000 a "
-    "square. The wound counts as healed once order inside, along that of a cell without it, stays above "
-    "90 %. The same is done with bundling inhibited from then on, everywhere or inside; all for 60 R/U.",
+    "square. The wound counts as healed once the order inside, along that of a cell without it, stays above "
+    "90 %. The same is done with bundling inhibited from then on, everywhere or only inside. All cells are "
+    "integrated for 60 R/U.",
     seeds=200,
     quick_seeds=6,
     measure=measure,
     verdict=verdict,
+    decisive=decisive,
     draw=draw,
 )

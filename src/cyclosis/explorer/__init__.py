@@ -1,1 +1,1 @@
-"""A living cell in the browser: sessions, server, and what its page is told."""
+"""A living cell in the browser: sessions, the server, and the data that it sends to the page."""

@@ -1,4 +1,4 @@
-"""What the page is built from: settings, terms, presets, colours and the computed phase diagram."""
+"""The data that the page is built from: settings, terms, presets, colours and the computed phase diagram."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SHOWN = ("kind", "seed", "filaments_per_square", "magnitude", "stripes")
 
 @cache
 def about() -> dict[str, Any]:
-    """Return all that the page is built from, as it is sent."""
+    """Return everything that the page is built from, as it is sent."""
     return {
         "version": __version__,
         "limits": {
@@ -36,11 +36,11 @@ def about() -> dict[str, Any]:
             "stroke": MOST_POINTS,
             "fastest": FASTEST,
         },
-        "parameters": [_told(item) for item in PARAMETERS],
-        "grid": [_told(item) for item in GRID],
-        "initial": [_told(item) for item in INITIAL if item.name in _SHOWN],
+        "parameters": [_described(item) for item in PARAMETERS],
+        "grid": [_described(item) for item in GRID],
+        "initial": [_described(item) for item in INITIAL if item.name in _SHOWN],
         "uses": {kind: [name for name in USED_BY[kind] if name in _SHOWN] for kind in KINDS},
-        "interval": _told(INTERVAL),
+        "interval": _described(INTERVAL),
         "terms": [{"name": item.name, "formula": item.formula, "caption": item.caption} for item in EQUATION],
         "traces": [_trace(name) for name in TRACES],
         "presets": [
@@ -53,7 +53,7 @@ def about() -> dict[str, Any]:
 
 
 def preset(name: str) -> Preset:
-    """Return a preset by name. Raises `InputError` for a name that is none."""
+    """Return a preset by name. Raises `InputError` for an unknown name."""
     choice("preset", name, tuple(item.name for item in PRESETS))
     return next(item for item in PRESETS if item.name == name)
 
@@ -67,9 +67,9 @@ def diagram() -> dict[str, Any]:
 
 
 def curves(params: Parameters) -> dict[str, Any]:
-    """Return the thresholds of theory over (alpha_p, alpha_u) for the other parameters in force.
+    """Return the thresholds of theory over (alpha_p, alpha_u) for the other active parameters.
 
-    `applies` is False where they do not: for parameters that differ from place to place.
+    `applies` is False where there are none: for parameters that vary in space.
     """
     from ..figures.swept import Axis
     from ..figures.thresholds import thresholds
@@ -89,7 +89,7 @@ def _points(values: Any) -> list[float | None]:
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
-def _told(item: Definition) -> dict[str, Any]:
+def _described(item: Definition) -> dict[str, Any]:
     return {
         "name": item.name,
         "symbol": item.symbol,

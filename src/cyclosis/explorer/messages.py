@@ -1,4 +1,4 @@
-"""What a page may ask, checked before anything is done with it."""
+"""The requests that a page may send, checked before they are used."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from ..model.errors import InputError, shown
 
 LONGEST = 65_536
-"""Bytes of a message."""
+"""Most bytes of a message."""
 MOST_POINTS = 64
-"""Points of one stroke of the brush."""
+"""Most points of one stroke of the brush."""
 SLOWEST, FASTEST = 0.1, 100.0
 """Time units per second."""
 
@@ -22,31 +22,53 @@ Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 class _Ask(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
+    n: Annotated[int, Field(ge=0, le=2**53)] | None = None
+    """The page numbers its requests, to repeat those that never arrived after a connection is lost."""
+
 
 class Begin(_Ask):
-    """Begin a cell: a preset, what a link holds, or tables."""
+    """Begin a cell: a preset, the contents of a link, or tables.
+
+    A page whose session has been lost also gives the time `t` that it has shown, later than that of its link,
+    and whether the cell was `playing`.
+    """
 
     do: Literal["begin"]
     preset: str | None = None
     link: str | None = None
     setup: dict[str, Any] | None = None
+    t: Annotated[float, Field(ge=0.0, le=1e6, allow_inf_nan=False, strict=False)] | None = None
+    playing: bool | None = None
+
+
+class Resume(_Ask):
+    """Continue the session with this token over another connection."""
+
+    do: Literal["resume"]
+    token: Annotated[str, Field(max_length=64)]
+
+
+class Sign(_Ask):
+    """The page is there (alive), checks that the server is (ping), or will not come back (leave)."""
+
+    do: Literal["alive", "ping", "leave"]
 
 
 class Plain(_Ask):
-    """Something that needs no more words."""
+    """A request without arguments."""
 
     do: Literal["play", "pause", "step", "tell", "hash", "new_seed", "curves"]
 
 
 class Speed(_Ask):
-    """Time units to compute in a second."""
+    """Time units to compute per second."""
 
     do: Literal["speed"]
     value: Annotated[float, Field(ge=SLOWEST, le=FASTEST, strict=False)]
 
 
-class Change(_Ask):
-    """Give parameters other values."""
+class Set(_Ask):
+    """Change the values of parameters."""
 
     do: Literal["change"]
     values: Annotated[dict[str, bool | int | float], Field(min_length=1, max_length=20)]
@@ -60,7 +82,7 @@ class Drug(_Ask):
 
 
 class Brush(_Ask):
-    """Do something to the patch under a stroke."""
+    """Act on the patch under a stroke."""
 
     do: Literal["brush"]
     tool: Literal["wound", "fragment", "align"]
@@ -72,7 +94,7 @@ class Brush(_Ask):
     angle: Number = 1.5707963267948966
 
     def step(self, t: float, length: float) -> dict[str, Any]:
-        """Return the stroke as the table of a step at a time, on a cell of some length."""
+        """Return the stroke as the table of a step at time `t`, on a cell of a length."""
         discs = [
             {
                 "shape": "disc",
@@ -98,12 +120,12 @@ class Seen(_Ask):
     frame: int
 
 
-Ask = Begin | Plain | Speed | Change | Drug | Brush | Seen
+Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Seen
 _ADAPTER: TypeAdapter[Ask] = TypeAdapter(Annotated[Ask, Field(discriminator="do")])
 
 
 def understood(text: str) -> Ask:
-    """Return what a message asks. Raises `InputError` for one that is malformed."""
+    """Return the request in a message. Raises `InputError` if it is malformed."""
     try:
         return _ADAPTER.validate_python(json.loads(text))
     except (ValueError, RecursionError) as error:

@@ -1,4 +1,4 @@
-"""Colours of P_z for the page: those of the figures, and a pair for every kind of colour vision."""
+"""Colours of P_z for the page: those of the figures, and a pair for all kinds of colour vision."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Cells to begin with: the paper's figure, every regime, and the cell of every experiment.
 
-What the texts promise was seen in runs; `tests/explorer/test_presets.py` repeats some of them.
+The texts describe what runs showed; `tests/explorer/test_presets.py` repeats some of them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True)
 class Preset:
-    """A cell: `tables` as in `run.toml`, the steps of its protocol as tables, and what there is to see."""
+    """A cell: `tables` as in `run.toml`, the steps of its protocol as tables, and a text on what to see."""
 
     name: str
     group: Literal["figures", "regimes", "experiments"]
@@ -52,7 +52,7 @@ def _wash_out(at: float, **more: Any) -> Table:
 _UP, _DOWN = round(pi / 2, 6), round(-pi / 2, 6)
 # Established stripes, with the noise of as many filaments as leave |P| <= 1.
 _STRIPES = {"kind": "stripes", "filaments_per_square": 4000.0}
-# As long as the explorer's finest grid resolves well: 9 points a radius.
+# The longest cell that the explorer's finest grid resolves well: 9 points per radius.
 _LONG = {"n_theta": 48, "n_z": 128}
 
 FIGURES = (
@@ -71,40 +71,40 @@ REGIMES = (
         "disordered",
         "regimes",
         "Disorder",
-        "Random turning (d_r = 0.025) beats bundling (α_p = 0.02), and what order there is fades. Raise α_p "
-        "beyond d_r and order comes.",
+        "Random turning (d_r = 0.025) beats bundling (α_p = 0.02), and the little order there is fades. "
+        "Raise α_p above d_r and order grows.",
         _cell(alpha_p=0.02),
     ),
     Preset(
         "unidirectional",
         "regimes",
         "One direction",
-        "With hardly any alignment by flow one direction takes the whole cell; nothing can stream, since "
-        "no fluid passes the ends. Raise α_u to 0.8: the order tips over and becomes two stripes.",
+        "With hardly any alignment by flow one direction takes over the whole cell; nothing can stream, "
+        "since no fluid passes the ends. Raise α_u to 0.8: the order tips over and becomes two stripes.",
         _cell({"seed": 0}, alpha_u=0.025),
     ),
     Preset(
         "cyclosis",
         "regimes",
         "Cyclosis",
-        "Strong alignment by flow: two stripes stand by t = 15 and are equally wide by t = 50. Fragment or "
-        "turn any part of them, and the pattern comes back.",
+        "Strong alignment by flow: two stripes have formed by t = 15 and are equally wide by t = 50. "
+        "Fragment or turn any part of them, and the pattern comes back.",
         _cell({"seed": 1}, alpha_p=0.5, alpha_u=1.0),
     ),
     Preset(
         "multistripe",
         "regimes",
         "Four stripes",
-        "Theory says that four stripes are unstable, but so weakly that they outlast your patience, and "
-        "wounds heal. Turn or fragment one of them from end to end, and two are left.",
+        "In theory four stripes are unstable, but so weakly that they outlast your patience, and wounds "
+        "heal. Turn or fragment one of them from end to end, and two are left.",
         _cell(_STRIPES | {"stripes": 4}, alpha_u=0.1),
     ),
     Preset(
         "circumferential-streaming",
         "regimes",
         "Around the axis",
-        "No direction is avoided (κ = 0), and filaments come to run around the cell, where flow has no ends "
-        "to stop it. Give κ back to turn them upright.",
+        "No direction is avoided (κ = 0), and filaments turn to run around the cell, where no ends stop the "
+        "flow. Set κ back to 0.5 to turn them upright.",
         _cell(kappa=0.0),
     ),
     Preset(
@@ -120,7 +120,7 @@ REGIMES = (
         "regimes",
         "Stripes that oscillate",
         "In a sliver of the diagram no steady state is stable: the downward stripe narrows and widens "
-        "again for ever, about every 600 time units. Turn up the speed, and watch the mean of P_z.",
+        "again and again, about every 600 time units. Turn up the speed, and watch the mean of P_z.",
         _cell({"kind": "stripes", "magnitude": 0.4}, every=0.5, alpha_p=0.042, alpha_u=0.1059),
         (_align(0.0, _UP, 0.4, 3.1416, 4.1416),),
     ),
@@ -131,17 +131,17 @@ EXPERIMENTS = (
         "emergence",
         "experiments",
         "Emergence",
-        "The paper: order begins in patches and spreads, by starts and stops, until two streams fill the "
-        "cell. It does so by t = 20, but without stops. Other seeds take between 10 and 40 time units.",
+        "The paper: order begins in patches and spreads, in starts and stops, until two streams fill the "
+        "cell. Here it does so by t = 20, but without stops. Other seeds take between 10 and 40 time units.",
         _cell({"seed": 12}),
     ),
     Preset(
         "shear-straightening",
         "experiments",
         "Straightening by shear",
-        "The paper: shear straightens the zones between streams. From t = 12 on filaments feel no shear "
-        "(ε = 0), and the zones straighten as well. With ε = 0.4 strong bends go sooner, the last "
-        "of them later.",
+        "The paper: shear straightens the zones between streams. From t = 12 on shear does not act on "
+        "filaments (ε = 0), and the zones still straighten. With ε = 0.4 strong bends disappear sooner, the "
+        "last of them later.",
         _cell({"seed": 22}),
         (_change(12.0, epsilon=0.0),),
     ),
@@ -194,8 +194,8 @@ EXPERIMENTS = (
         "cytochalasin",
         "experiments",
         "Cytochalasin",
-        "At t = 10 bundling is stopped, and yet the stripes stream on, hardly slower. Only at t = 60, when "
-        "all cables are fragmented too, does streaming stop. Wash the drug out, or try α_u = 0.2.",
+        "At t = 10 bundling is stopped, and yet the stripes keep streaming, hardly slower. Only at t = 60, "
+        "when all cables are fragmented too, does streaming stop. Wash the drug out, or try α_u = 0.2.",
         _cell(_STRIPES),
         (_change(10.0, alpha_p=0.0), _fragment(60.0)),
     ),
@@ -222,7 +222,7 @@ EXPERIMENTS = (
         "experiments",
         "A lost cue",
         "At t = 20 filaments lose the cue that keeps them along the cell (κ = 0) and turn around the axis. "
-        "At t = 120 it is given back, and two stripes stand upright again.",
+        "At t = 120 it is given back, and two stripes are upright again.",
         _cell(_STRIPES),
         (_change(20.0, kappa=0.0), _wash_out(120.0)),
     ),
@@ -231,7 +231,7 @@ EXPERIMENTS = (
         "experiments",
         "Weak repulsion",
         "At t = 20 repulsion falls to κ = 0.3, where stripes tilt and turn, and at t = 120 to 0.02, where "
-        "filaments run around the axis. Find the κ at which they stand upright: theory says 0.4707.",
+        "filaments run around the axis. Find the κ above which stripes are upright: in theory it is 0.4707.",
         _cell(_STRIPES),
         (_change(20.0, kappa=0.3), _change(120.0, kappa=0.02)),
     ),
@@ -258,7 +258,7 @@ EXPERIMENTS = (
         "experiments",
         "One process at a time",
         "Bundling alone makes order, but no lasting stripes. Alignment by flow, from t = 20, turns it around "
-        "the axis; repulsion, from t = 80, stands it upright: only together they make cyclosis.",
+        "the axis; repulsion, from t = 80, turns it upright: only together do they make cyclosis.",
         _cell(alpha_u=0.0, kappa=0.0),
         (_change(20.0, alpha_u=0.5), _change(80.0, kappa=0.5)),
     ),
@@ -266,8 +266,8 @@ EXPERIMENTS = (
         "timescales",
         "experiments",
         "Times of a motor",
-        "Flow aligns filaments only if motors turn them before they let go. Here they cease to, from t = 40 "
-        "to 60: stripes last, but once fragmented, at t = 80, one direction takes over.",
+        "Flow aligns filaments only if motors turn them before they let go. From t = 40 to 60 they gradually "
+        "stop doing so: stripes last, but once fragmented, at t = 80, one direction takes over.",
         _cell(_STRIPES),
         (_change(40.0, over=20.0, alpha_u=0.0), _fragment(80.0)),
     ),
@@ -275,17 +275,25 @@ EXPERIMENTS = (
         "cell-shape",
         "experiments",
         "A longer cell",
-        "Thirteen radii instead of five. By t = 40 two stripes run along the whole cell, but their bends "
-        "take the longer to straighten, the longer they are.",
+        "Thirteen radii instead of five. By t = 40 two stripes run along the whole cell, but the longer "
+        "their bends are, the longer they take to straighten.",
         _cell(grid=_LONG | {"length": 13.0}),
     ),
     Preset(
         "twist",
         "experiments",
         "Twist",
-        "Filaments avoid a direction tilted by 0.4, and their easy way winds just once about a cell as long "
-        "as this. So do its stripes; with seed 2 they stay straight and only the filaments lean.",
+        "Filaments avoid a direction tilted by 0.4, and the direction they prefer winds just once about a "
+        "cell of this length. So do its stripes; with seed 2 they stay straight and only the filaments tilt.",
         _cell({"seed": 0}, _LONG | {"length": 14.86}, repulsion_angle=0.4),
+    ),
+    Preset(
+        "closure",
+        "experiments",
+        "What the equation leaves out",
+        "With so little bundling these cells order by t = 35. The density of filament angles, of which the "
+        "equation is an approximation, never would: it needs α_p above 0.47.",
+        _cell(alpha_p=0.25),
     ),
 )
 

@@ -1,4 +1,4 @@
-"""The explorer's server: the page, what it is built from, one session for each visitor, and files."""
+"""The explorer's server: the page and its data, one session for each visitor, and files."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from fastapi import FastAPI, Request, WebSocket, WebSocketDisconnect
-from fastapi.responses import FileResponse, JSONResponse, Response
+from fastapi.responses import JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
+from starlette.datastructures import Headers, MutableHeaders
 
-from ..model.errors import InputError, choice
+from ..model.errors import InputError
 from . import exports
 from .about import about
+from .ahead import prepare
+from .files import Kept, Reported
 from .messages import LONGEST
-from .visit import Visit
+from .visits import Visits
 from .work import Work
 
 PAGE = Path(__file__).parent / "page"
 """The built page."""
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 MOST_FILES = 4
-"""Files that are made or given away at once; they are made one after another."""
-SENDING = 600.0
-"""Seconds within which a file is taken."""
+"""Files that are made or sent at once; they are made one after another."""
 MISSING = "install Node.js 20.19 or newer, then run `make page` or reinstall cyclosis"
 _SECURITY = {
     "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -41,20 +42,24 @@ _SECURITY = {
 
 
 @dataclass(frozen=True)
-class Limits:
-    """What a server allows: sessions at once, and seconds for which one may be left alone.
+class ServerLimits:
+    """The limits of a server: sessions at once, and seconds for which one may be idle.
 
-    `hosts` are the names under which it answers, "*" for any; `threads` compute at once.
+    `hosts` are the names under which it answers, "*" for any; `threads` compute at once. A session whose
+    connection is lost is kept for `kept_seconds`. With `ahead` the kinds of cell of the presets are compiled
+    before anyone needs them, while nothing is computed.
     """
 
     sessions: int = 8
     idle_seconds: float = 1800.0
     hosts: tuple[str, ...] = LOOPBACK
     threads: int = 2
+    kept_seconds: float = 600.0
+    ahead: bool = False
 
 
 class _Wire:
-    """A WebSocket as a visit needs it."""
+    """A WebSocket with the methods that a visit needs."""
 
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
@@ -66,53 +71,65 @@ class _Wire:
         return message.get("text") or "not text"
 
     async def say(self, text: str) -> None:
-        await asyncio.wait_for(self.socket.send_text(text), 30.0)
+        await self.socket.send_text(text)
 
     async def show(self, data: bytes) -> None:
-        await asyncio.wait_for(self.socket.send_bytes(data), 30.0)
+        await self.socket.send_bytes(data)
 
 
-class _File(FileResponse):
-    """A file that is given away and then deleted."""
+class _Guarded:
+    """Answers only under known names, and adds the security headers.
 
-    def __init__(self, path: Path, kept: contextlib.ExitStack) -> None:
-        super().__init__(path, media_type=exports.FILES[path.name], filename=path.name)
-        self.kept = kept
+    It wraps nothing around the connection, so that a response notices when the visitor has left.
+    """
+
+    def __init__(self, app: Any, allowed: ServerLimits) -> None:
+        self.app, self.allowed = app, allowed
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        with self.kept, contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(super().__call__(scope, receive, send), SENDING)
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+
+        async def guarded(message: Any) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(_SECURITY)
+            await send(message)
+
+        if _known_host(Headers(scope=scope).get("host", ""), self.allowed):
+            await self.app(scope, receive, guarded)
+        else:
+            sentence = "This server does not answer to that name."
+            await JSONResponse({"sentence": sentence}, 421)(scope, receive, guarded)
 
 
-def application(limits: Limits | None = None) -> FastAPI:
-    """Return the server. It holds no state but its sessions and the page."""
-    allowed = limits or Limits()
+def application(limits: ServerLimits | None = None) -> FastAPI:
+    """Return the server. Its only state is its sessions and the page."""
+    allowed = limits or ServerLimits()
     work = Work(allowed.threads)
+    visits = Visits(work, allowed.sessions, allowed.idle_seconds, allowed.kept_seconds)
 
     @contextlib.asynccontextmanager
     async def life(_: FastAPI) -> AsyncIterator[None]:
+        ahead = asyncio.create_task(prepare(visits)) if allowed.ahead else None
         yield
+        if ahead is not None:
+            ahead.cancel()
+        visits.end()
         work.end()
 
     app = FastAPI(title="cyclosis explorer", docs_url=None, redoc_url=None, openapi_url=None, lifespan=life)
-    making = asyncio.Lock()
+    desk = exports.Desk()
     folders: set[str] = set()
 
-    @app.middleware("http")
-    async def guarded(request: Request, call: Callable[[Request], Awaitable[Response]]) -> Response:
-        if not _known_host(request.headers.get("host", ""), allowed):
-            return JSONResponse({"sentence": "This server does not answer under that name."}, 421)
-        response = await call(request)
-        for name, value in _SECURITY.items():
-            response.headers[name] = value
-        return response
+    app.add_middleware(_Guarded, allowed=allowed)
 
     @app.get("/api/about")
-    def told() -> JSONResponse:
+    def described() -> JSONResponse:
         return JSONResponse(about())
 
     @app.get("/api/export/{name}")
-    async def export(name: str, cell: str, request: Request) -> Response:
+    async def export(name: str, cell: str, request: Request, told: bool = False) -> Response:
         if len(folders) >= MOST_FILES:
             return JSONResponse({"sentence": "Other files are being made: try again soon."}, 503)
         with contextlib.ExitStack() as kept:
@@ -120,10 +137,12 @@ def application(limits: Limits | None = None) -> FastAPI:
             folders.add(folder)
             kept.callback(folders.discard, folder)
             try:
-                choice("file", name, tuple(exports.FILES))
-                async with making:
-                    path = await exports.make(name, cell, Path(folder), request.is_disconnected)
-                return _File(path, kept.pop_all())
+                exports.checked(name, cell)
+
+                def make(tell: exports.Tell = exports.nobody) -> Awaitable[Path]:
+                    return desk.make(name, cell, Path(folder), request.is_disconnected, tell)
+
+                return Reported(make, kept.pop_all()) if told else Kept(await make(), kept.pop_all())
             except (InputError, exports.Refused) as error:
                 return JSONResponse({"sentence": str(error)}, 400)
             except ConnectionAbortedError:
@@ -135,28 +154,21 @@ def application(limits: Limits | None = None) -> FastAPI:
             await socket.close(1008, "Only pages of this server may connect.")
             return
         await socket.accept()
-        if work.visits >= allowed.sessions:
-            words = f"This server holds {allowed.sessions} sessions and all are taken: try again later."
-            with contextlib.suppress(Exception):
-                await socket.send_json({"type": "ended", "sentence": words})
-                await socket.close(1013)
-            return
-        work.visits += 1
+        code = 1000
         try:
-            await Visit(_Wire(socket), work, allowed.idle_seconds).go()
+            code = await visits.serve(_Wire(socket))
         except (ConnectionError, TimeoutError, RuntimeError, WebSocketDisconnect, asyncio.CancelledError):
-            pass  # the visitor left, cannot be served, or the server ends
+            pass  # the visitor left, or the server ends
         finally:
-            work.visits -= 1
             with contextlib.suppress(Exception):
-                await socket.close()
+                await socket.close(code)
 
     if (PAGE / "index.html").exists():
         app.mount("/", StaticFiles(directory=PAGE, html=True))
     return app
 
 
-def serve(host: str, port: int, limits: Limits, ready: Callable[[int], Any] | None = None) -> None:
+def serve(host: str, port: int, limits: ServerLimits, ready: Callable[[int], Any] | None = None) -> None:
     """Serve until interrupted; at port 0, at any free one. `ready` is called with the port once it answers.
 
     Raises `InputError` where the page is not built or the port is taken.
@@ -173,7 +185,7 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[int], Any] | No
         listening = socket.create_server(
             (host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET
         )
-        # Connections inherit it: else a picture waits some 40 ms for word that the last one came.
+        # Connections inherit it: otherwise a picture waits some 40 ms until the last one is acknowledged.
         listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     except (socket.gaierror, UnicodeError, TypeError) as error:
         rule = "a name or an address of this machine"
@@ -182,7 +194,7 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[int], Any] | No
         rule = f"a free place to listen ({os.strerror(error.errno) if error.errno else error})"
         raise InputError("host and port", f"{host}:{port}", rule, "choose another with --port") from error
 
-    sys.setswitchinterval(0.001)  # the thread that answers waits for those that compute
+    sys.setswitchinterval(0.001)  # the thread that answers competes with those that compute
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: Any = None) -> None:
@@ -197,18 +209,18 @@ def serve(host: str, port: int, limits: Limits, ready: Callable[[int], Any] | No
         ws=connections.Socket,
         ws_max_size=LONGEST,
         timeout_graceful_shutdown=3,
-        ws_per_message_deflate=False,  # it shortens pictures little and takes its time where all wait for it
+        ws_per_message_deflate=False,  # it hardly shortens pictures and blocks the thread that answers
     )
     Server(how).run([listening])
 
 
-def _known_host(header: str, allowed: Limits) -> bool:
+def _known_host(header: str, allowed: ServerLimits) -> bool:
     return "*" in allowed.hosts or _name(f"//{header}") in allowed.hosts
 
 
 def _same_origin(socket: WebSocket) -> bool:
     origin, host = socket.headers.get("origin"), socket.headers.get("host", "")
-    # A program that is no browser names no origin, and can be misled by no page.
+    # A program that is not a browser sends no origin, and no page can mislead it.
     try:
         return origin is None or urlsplit(origin).netloc == host
     except ValueError:

@@ -1,81 +1,83 @@
-"""A visitor's cell: a live run that is looked at, acted on, and told to others."""
+"""A visitor's cell: a live run that can be watched, acted on, and shared."""
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import json
 import struct
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..analysis.regimes import regime
+from ..analysis.regimes import Regime, regime
+from ..analysis.zones import crossings
 from ..config import Setup
 from ..dynamics.live import Live
 from ..dynamics.protocol import Change, Protocol, Step, change, step_from_table, wash_out
 from ..dynamics.schedule import Schedule
 from ..model.errors import InputError
-from ..model.grid import CylinderGrid
+from ..model.grid import Array, CylinderGrid
+from ..models.polar_cylinder import stays_cubic
 from .messages import Brush
 from .setup import MOST_FRAMES, SetUp, check_memory
 
 TRACES = ("order", "mean_P_theta", "mean_P_z", "peak_speed", "power_input")
-"""What is recorded at every frame, after the time."""
+"""The quantities recorded at every frame, after the time."""
 RELAXATION = 2.0
 """Time over which the rate of relaxation is measured, dimensionless."""
+STILL = 1e-9
+"""Rate of change <|dP/dt|²>^½ below which the state counts as steady, dimensionless."""
 DRUGS = {"cytochalasin": {"alpha_p": 0.0}, "inhibit_myosin": {"alpha_u": 0.0}}
-"""What a drug makes of parameters: no bundling; filaments that no flow turns."""
+"""The effect of drugs on parameters: no bundling; no alignment by flow."""
 
 
 Kind = tuple[tuple[int, int], frozenset[str], frozenset[str], bool]
-"""What compiled programs depend on: the grid, which parameters are fields or on ramps, and a cubic force."""
+"""What compiled programs depend on: the grid, which parameters are fields or ramps, and a cubic force."""
 
 
-def kinds(schedule: Schedule, grid: CylinderGrid, done: int = 0) -> set[Kind]:
-    """Return the kinds of a cell after some events and after the next."""
-    now = schedule.stages[done : done + 2]
-    return {(grid.shape, stage.fields, frozenset(stage.moving), stage.cubic) for stage in now}
+def kind_at(schedule: Schedule, grid: CylinderGrid, t: float = 0.0) -> Kind:
+    """Return the kind of a cell at a time, after the steps at that time."""
+    stage = schedule.stage(t)
+    cubic = stays_cubic(stage.first, stage.last)
+    return grid.shape, stage.fields, frozenset(stage.moving), cubic
 
 
 class Session:
-    """A cell under way. Raises `InputError` for a set-up that cannot be used.
+    """A live cell. Raises `InputError` for a set-up that cannot be used.
 
-    `ready` is what `setup.ready()` returns, where that is known already.
+    `ready` is the result of `setup.ready()`, if it is known already.
     """
 
     def __init__(self, setup: SetUp, ready: Setup | None = None) -> None:
         ready = ready or setup.ready()
         self.setup = setup
-        self.live = Live(ready.params, ready.grid, ready.state, setup.every, ready.protocol)
+        self.live = Live(ready.params, ready.grid, ready.state, setup.every, ready.protocol, ready.model)
         self.rates: list[tuple[float, float]] = []
         self.fresh: list[list[float]] = []
         self._record()
 
     def kinds(self) -> set[Kind]:
-        """Return the kinds that computing on to the next frame needs."""
+        """Return the kinds that computing the next frame needs."""
         schedule, t = self.live.course.schedule, self.live.t
-        done = schedule.done(t)
-        changes = done < len(schedule.times) and schedule.times[done] <= t + self.live.every
-        return kinds(schedule, self.live.grid, done) if changes else {self.kind}
+        ahead = (time for time in schedule.times if t < time <= t + self.live.every)
+        return {self.kind, *(kind_at(schedule, self.live.grid, time) for time in ahead)}
 
     @property
     def kind(self) -> Kind:
         """The kind of the cell now."""
-        schedule = self.live.course.schedule
-        stage = schedule.stage(self.live.t)
-        return self.live.grid.shape, stage.fields, frozenset(stage.moving), stage.cubic
+        return kind_at(self.live.course.schedule, self.live.grid, self.live.t)
 
     def rehearse(self) -> None:
-        """Compile what computing on and looking at the cell needs, and leave the cell as it is."""
-        double = copy.copy(self.live)
+        """Compile everything that computing and showing the cell needs, without changing the cell."""
+        double = self.live.copy()
         double.forward()
         double.record()
         double.flow()
 
     def forward(self) -> bool:
-        """Compute on for a moment; return whether the next frame is reached."""
+        """Compute for a moment; return whether the next frame is reached."""
         if self.live.frame >= MOST_FRAMES:
             raise InputError("t", self.live.t, f"less than {MOST_FRAMES} frames long", "begin a new cell")
         if self.live.forward():
@@ -88,7 +90,7 @@ class Session:
         return False
 
     def change(self, values: Mapping[str, Any]) -> None:
-        """Give parameters other values from now on; several at one time are one step."""
+        """Change parameters from now on; several changes at one time are one step."""
         t, steps = self.live.t, list(self.live.protocol)
         last = max((k for k, step in enumerate(steps) if step.at == t), default=-1)
         if last >= 0 and isinstance(steps[last], Change) and _everywhere(steps[last]):
@@ -97,35 +99,50 @@ class Session:
         self._do(change(t, **values), steps)
 
     def drug(self, name: str) -> None:
-        """Give a drug, or wash all out."""
+        """Give a drug, or wash out all drugs."""
         if name in DRUGS:
             self.change(DRUGS[name])
         else:
             self._do(wash_out(self.live.t), list(self.live.protocol))
 
     def brush(self, stroke: Brush) -> None:
-        """Do what a stroke does to the patch under it, now."""
+        """Apply a stroke to the patch under it, now."""
         table = stroke.step(self.live.t, self.live.grid.length)
         self._do(step_from_table(table), list(self.live.protocol))
 
     def special(self) -> dict[str, str]:
-        """Return which parameters are on a ramp or differ from place to place now."""
+        """Return which parameters are on a ramp or vary in space now."""
         stage = self.live.course.schedule.stage(self.live.t)
         fields = {name: "field" for name, value in self.live.params_now.items() if getattr(value, "ndim", 0)}
         return fields | dict.fromkeys(stage.moving, "ramp")
 
-    def told(self) -> SetUp:
-        """Return the set-up that comes to this very state."""
+    def setup_now(self) -> SetUp:
+        """Return the set-up that leads to exactly this state."""
         return SetUp(self.setup.tables, tuple(self.live.protocol.as_tables()), self.live.t)
+
+    def words(self, end: float) -> dict[str, Any]:
+        """Return the description of the cell for the page; its link keeps a later target time `end`."""
+        now = self.setup_now()
+        return {
+            "setup": self.setup.filled(),
+            "parameters": {
+                name: float(value.mean()) if getattr(value, "ndim", 0) else value
+                for name, value in self.live.params_now.items()
+            },
+            "special": self.special(),
+            "protocol": [{"at": step.at, "text": str(step)} for step in self.live.protocol],
+            "link": replace(now, t=max(now.t, end)).link(),
+            "t": self.live.t,
+        }
 
     def digest(self) -> str:
         """Return the SHA-256 of the state's bytes."""
         return hashlib.sha256(np.ascontiguousarray(self.live.state).tobytes()).hexdigest()
 
     def picture(self) -> bytes:
-        """Return what the page draws: a JSON header, then records and fields (see `web/src/protocol.ts`)."""
+        """Return the data of a picture: a JSON header, records and fields (see `web/src/protocol.ts`)."""
         P, u = self.live.state, self.live.flow()
-        found = regime(self.live.params_now, self.live.grid, P)
+        found, pace = regime(self.live.params_now, self.live.grid, P), self._pace()
         header = {
             "t": self.live.t,
             "frame": self.live.frame,
@@ -136,9 +153,11 @@ class Session:
             "records": sum(map(len, self.fresh)),
             "regime": {
                 "name": found.name,
-                "reason": self._reason(found.reason, found.widths),
+                "reason": _reason(found.reason, found.widths, pace),
                 "zones": found.zones.tolist(),
                 "widths": found.widths.tolist(),
+                **_numbers(found, P),
+                "pace": pace,
             },
         }
         text = json.dumps(header).encode()
@@ -148,22 +167,15 @@ class Session:
         fields = (*P, *u, P[1].mean(axis=1), u[1].mean(axis=1))
         return head + records + b"".join(np.ascontiguousarray(field, "<f4").tobytes() for field in fields)
 
-    def _reason(self, reason: str, widths: Any) -> str:
-        """Return the reason of a regime with the stripes' widths and how fast the cell settles."""
-        words = [reason]
-        if 0 < len(widths) <= 4:
-            words = [f"{len(widths)} zones, widths " + " : ".join(f"{width:.2f}" for width in widths)]
+    def _pace(self) -> float | str | None:
+        """Return the rate at which changes grow, "steady" if there are none, None if it is unknown yet."""
         old = next((pair for pair in self.rates if pair[0] >= self.live.t - RELAXATION), None)
-        if old is not None and self.live.t - old[0] > 0.5 * RELAXATION:
-            rate, now = old[1], self.rates[-1][1]
-            if now < 1e-9:
-                words.append("steady")
-            elif rate > 0:
-                growth = float(np.log(now / rate)) / (self.live.t - old[0])
-                words.append(
-                    f"relaxing at {growth:.3f}" if growth < 0 else f"changing faster, at {growth:.3f}"
-                )
-        return ", ".join(words)
+        if old is None or self.live.t - old[0] <= 0.5 * RELAXATION:
+            return None
+        rate, now = old[1], self.rates[-1][1]
+        if now < STILL:
+            return "steady"
+        return float(np.log(now / rate)) / (self.live.t - old[0]) if rate > 0 else None
 
     def _record(self) -> None:
         now = self.live.record()
@@ -184,3 +196,27 @@ class Session:
 
 def _everywhere(step: Step) -> bool:
     return getattr(step, "where", None) is None and not getattr(step, "over", 0.0)
+
+
+def _numbers(found: Regime, P: Array) -> dict[str, Any]:
+    """Return the numbers that the page needs to describe the regime of a state P."""
+    crossed = crossings(P)
+    return {
+        "order": found.order,
+        "around": float(np.mean(P[0] ** 2)) / max(found.order**2, 1e-300),
+        "boundaries": [int(crossed.min()), int(crossed.max())],
+        "drift": found.drift.tolist(),
+        "mean": found.mean_P.tolist(),
+    }
+
+
+def _reason(reason: str, widths: Array, pace: float | str | None) -> str:
+    """Return the reason for a regime with the stripes' widths and how fast the cell relaxes."""
+    words = [reason]
+    if 0 < len(widths) <= 4:
+        words = [f"{len(widths)} zones, widths " + " : ".join(f"{width:.2f}" for width in widths)]
+    if isinstance(pace, str):
+        words.append(pace)
+    elif pace is not None:
+        words.append(f"relaxing at {pace:.3f}" if pace < 0 else f"changing faster, at {pace:.3f}")
+    return ", ".join(words)

@@ -1,6 +1,6 @@
-"""What a cell of the explorer is made of: tables, a protocol, and the time to which it has come.
+"""The set-up of a cell of the explorer: tables, a protocol, and the time that it has reached.
 
-A set-up is all that a link holds, and all that a `run.toml` holds: either gives the same trajectory again.
+A link contains a complete set-up, and so does a `run.toml`: both reproduce the same trajectory.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from ..model.errors import InputError, number
 from ..model.grid import CylinderGrid
 
 FINEST = 128
-"""Most grid points in either direction of a cell in the explorer."""
+"""Most grid points in each direction of a cell in the explorer."""
 MOST_FRAMES = 20_000
 """Most frames of a cell in the explorer."""
 INTERVAL = replace(
     definition("run", "save_every"),
-    meaning="time between frames; what is done falls on a frame",
+    meaning="time between frames; actions happen at frames",
     default=0.1,
     minimum=0.02,
     maximum=5.0,
 )
 MOST_PLACED = 2**19
-"""Grid points times steps where one changes parameters in a region: all then keep them as fields."""
+"""Most grid points times steps if one step changes parameters in a region: all then keep them as fields."""
 LONGEST_LINK, LONGEST_TEXT = 40_000, 200_000
-"""Characters of a link, and of what is packed in it."""
+"""Most characters of a link, and of the text compressed in it."""
 KIND = INITIAL[0].default
-"""The initial state of a cell of which no other is asked for."""
+"""The default initial state of a cell."""
 KINDS = tuple(kind for kind in INITIAL[0].allowed if kind != "file")
-"""Initial states that a cell of the explorer may have: no visitor reads files of the server."""
+"""Initial states that a cell of the explorer may have: visitors must not read files of the server."""
 
 
 @dataclass(frozen=True, eq=False)
 class SetUp:
-    """A cell as tables (see `cyclosis.config`), the steps done to it as tables, and the time it came to."""
+    """A cell as tables (see `cyclosis.config`), the steps of its protocol as tables, and the time reached."""
 
     tables: config.Tables
     steps: tuple[dict[str, Any], ...] = ()
@@ -54,8 +54,13 @@ class SetUp:
         interval: float = self.tables["run"][INTERVAL.name]
         return interval
 
+    def until(self, t: float) -> SetUp:
+        """Return the set-up at a later time. Raises `InputError` if that takes more than `MOST_FRAMES`."""
+        end = number("t", t, 0.0, self.every * MOST_FRAMES, "begin again")
+        return replace(self, t=max(self.t, end))
+
     def ready(self) -> config.Setup:
-        """Return the arguments of `simulate`. Raises `InputError` for what does not fit together."""
+        """Return the arguments of `simulate`. Raises `InputError` for settings that are inconsistent."""
         ready = config.setup(self.tables, list(self.steps))
         check_memory(ready.protocol, ready.grid)
         return ready
@@ -65,7 +70,7 @@ class SetUp:
         filled = {name: defaults(name) | self.tables[name] for name in ("parameters", "grid")}
         initial = self.tables["initial"]
         kind = initial.get("kind", KIND)
-        # In an ordered state noise that is left out means none, not its default.
+        # In an ordered state, noise that is left out is zero, not its default.
         noise = () if kind == KIND else ("seed", "filaments_per_square", "noise_grid")
         used = {"kind", *config.USED_BY[kind]} - set(noise)
         filled["initial"] = {name: value for name, value in defaults("initial").items() if name in used}
@@ -73,7 +78,7 @@ class SetUp:
         return filled | {"run": dict(self.tables["run"])}
 
     def link(self) -> str:
-        """Return the set-up as a short text fit for an address."""
+        """Return the set-up as a short text for use in an address."""
         whole = {name: table for name, table in self.tables.items() if table}
         text = json.dumps(whole | {"protocol": self.steps, "t": self.t}, separators=(",", ":"))
         return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
@@ -103,6 +108,10 @@ def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
         points = tables["grid"].get(name, 0)
         if points > FINEST:
             raise InputError(name, points, f"at most {FINEST} in the explorer", "use cyclosis run for more")
+    for name, value in tables["model"].items():
+        if value != defaults("model")[name]:
+            rule = "left out in the explorer, which shows the polar model by the paper's closure"
+            raise InputError(name, value, rule, "use cyclosis run for others")
     kind = tables["initial"].get("kind", KIND)
     if kind not in KINDS:
         raise InputError("kind", kind, "one of " + ", ".join(KINDS) + " in the explorer", "choose another")
@@ -117,7 +126,7 @@ def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
 
 
 def from_link(link: str) -> SetUp:
-    """Return the set-up of a link. Raises `InputError` for a text that is none."""
+    """Return the set-up of a link. Raises `InputError` for a text that is not a link."""
     rule = "the part of an address of the explorer after #"
     try:
         if len(link) > LONGEST_LINK:
@@ -135,7 +144,7 @@ def from_link(link: str) -> SetUp:
 
 
 def is_placed(protocol: Protocol) -> bool:
-    """Whether a step changes parameters in a region, so that all after it keep them as fields."""
+    """Whether a step changes parameters in a region, so that all later steps keep them as fields."""
     return any(isinstance(step, Change) and step.where is not None for step in protocol)
 
 
@@ -149,7 +158,7 @@ def check_memory(protocol: Protocol, grid: CylinderGrid) -> None:
 
 
 def _refuse_dear(steps: Any) -> None:
-    """Refuse steps that would read a file of the server, or draw more random numbers than the grid takes."""
+    """Refuse steps that would read a file of the server, or draw more random numbers than the grid needs."""
     if isinstance(steps, Mapping):
         if "path" in steps:
             raise InputError("path", steps["path"], "left out in the explorer", "use cyclosis run for images")

@@ -1,95 +1,130 @@
-"""One visitor, from connection to farewell: asks come in, the cell goes on at its pace, pictures go out."""
+"""One visit, from beginning to end: requests come in, the cell runs at its pace, pictures go out.
+
+A visit outlives its connections: without one the cell pauses, and is kept for a while.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import time as clock
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any, Protocol
+from collections import deque
+from collections.abc import AsyncIterator, Callable
+from typing import Any
 
 from ..model.errors import InputError
+from ..model.instants import instant
 from ..model.parameters import Parameters
 from . import messages, setup
 from .about import curves, preset
+from .line import Line
 from .session import Session
 from .work import Work
 
 WAITING = 64
-"""Asks that may wait; beyond, the connection is read no further."""
+"""Most requests that may wait; beyond, the connection is not read."""
 UNSEEN = 2
-"""Pictures that may be on their way before the page says that it has drawn one; one more after an action."""
+"""Pictures that may be in transit before the page confirms one as drawn; one more after an action."""
 PATIENCE = 5.0
-"""Seconds for which a cell goes on while the page draws nothing, as one in a hidden tab."""
+"""Seconds for which a cell keeps running while the page draws nothing, as in a hidden tab."""
 BEGINNING = 30.0
-"""Seconds within which a visitor begins a cell."""
+"""Seconds within which a visitor must begin a cell."""
 MOST_PICTURES = 30.0
-"""Pictures sent in a second."""
+"""Most pictures sent per second."""
+LEFT_ALONE = "This cell was idle for too long and has ended; its address still holds all of it."
 REFUSALS = 20
-"""Refused asks in a row after which the visit ends."""
-
-
-class Wire(Protocol):
-    """What a visit needs of a connection."""
-
-    async def text(self) -> str:
-        """Return the next message; raise once the visitor has left."""
-
-    async def say(self, text: str) -> None:
-        """Send text."""
-
-    async def show(self, data: bytes) -> None:
-        """Send a picture."""
+"""Refused requests in a row after which the visit ends."""
 
 
 class Visit:
-    """A visitor's session and its pace. `go` returns when the visitor leaves or is idle too long."""
+    """A visitor's session and its pace. `go` returns when the visitor has left or has been idle too long."""
 
-    def __init__(self, wire: Wire, work: Work, idle_seconds: float) -> None:
-        self.wire, self.work, self.idle_seconds = wire, work, idle_seconds
-        self.asks: asyncio.Queue[str] = asyncio.Queue(WAITING)
+    def __init__(self, work: Work, token: str, idle_seconds: float, kept_seconds: float) -> None:
+        self.work, self.token, self.idle_seconds, self.kept_seconds = work, token, idle_seconds, kept_seconds
+        self.line: Line | None = None
+        self.open = False
+        self.asks: asyncio.Queue[messages.Ask | InputError | None] = asyncio.Queue(WAITING)
+        self.received, self.done, self.busy, self.left = 0, 0, False, False
         self.session: Session | None = None
         self.preset: str | None = None
-        self.playing, self.speed = False, 5.0
+        self.begun, self.playing, self.speed = 0, False, 5.0
         self.catching_up: float | None = None
         self.unseen, self.seen_at, self.sent_at, self.due = 0, 0.0, 0.0, 0.0
-        self.refusals, self.stale, self.acted = 0, False, False
+        self.shown: deque[list[list[float]]] = deque(maxlen=UNSEEN + 1)
+        self.heard = clock.monotonic()
+        self.refusals, self.stale, self.acted, self.resumed = 0, False, False, False
+        self.preparing: dict[str, Any] | None = None
         self.curves: asyncio.Task[None] | None = None
+
+    @property
+    def at_work(self) -> bool:
+        """Whether something is being computed for the visitor."""
+        return self.busy or self._moving()
+
+    def attach(self, line: Line) -> None:
+        """Use a connection instead of the one before."""
+        if self.line is not None:
+            self.line.ended.set()
+        self.line, self.open, self.heard = line, False, clock.monotonic()
+
+    def resume(self) -> None:
+        """Continue over the connection, once the first message has been sent."""
+        self.open, self.resumed = True, self.session is not None or self.busy
+        self.wake()
+
+    def detach(self, line: Line) -> None:
+        """Pause, if that was the connection."""
+        if self.line is line:
+            self.line, self.open, self.heard = None, False, clock.monotonic()
+            self.wake()
+
+    def leave(self) -> None:
+        """End: the visitor will not come back."""
+        self.left = True
+        self.wake()
 
     async def go(self) -> None:
         """Serve the visitor."""
-        reader = asyncio.create_task(self._read())
         try:
-            heard = clock.monotonic()
-            while True:
-                ask = await self._next_ask(heard)
+            while not self.left:
+                ask = await self._next_ask()
+                if self.resumed:
+                    await self._resume()
+                if self.line is None and self.session is None:
+                    return  # the visitor is gone, and nothing has been computed yet
                 if ask is not None:
-                    heard = clock.monotonic()
-                    if ask == "":
-                        return
+                    self.heard = clock.monotonic()
                     await self._answer(ask)
-                elif clock.monotonic() - heard > self._patience():
-                    words = "This cell was left alone for long and has ended: reload the page to go on."
-                    await self._say(type="ended", sentence=words)
+                elif clock.monotonic() - self.heard > self._patience():
+                    await self._say(type="ended", sentence=LEFT_ALONE)
                     return
                 await self._onward()
-                await asyncio.sleep(0)  # asks that wait are not answered before those of others
+                await asyncio.sleep(0)  # let other visits have their turn
         finally:
-            reader.cancel()
             if self.curves is not None:
                 self.curves.cancel()
 
-    async def _read(self) -> None:
-        try:
-            while True:
-                await self.asks.put(await self.wire.text())
-        except Exception:
-            await self.asks.put("")
+    def wake(self) -> None:
+        """Check whether there is something to do."""
+        with contextlib.suppress(asyncio.QueueFull):  # then it is awake already
+            self.asks.put_nowait(None)
 
-    async def _next_ask(self, heard: float) -> str | None:
-        """Return the next ask, or None when it is time to compute."""
-        wait = self._patience() - (clock.monotonic() - heard) + 0.1
+    async def _resume(self) -> None:
+        """Send the state of the cell over a new connection, with the records that did not arrive."""
+        self.resumed = False
+        cell = self.session
+        if cell is None:
+            return
+        cell.fresh = [row for rows in self.shown for row in rows] + cell.fresh
+        self.shown.clear()
+        self.unseen, self.seen_at, self.stale = 0, clock.monotonic(), True
+        self.due = clock.monotonic()
+        await self._tell()
+
+    async def _next_ask(self) -> messages.Ask | InputError | None:
+        """Return the next request, or None when it is time to check whether there is something to do."""
+        wait = self._patience() - (clock.monotonic() - self.heard) + 0.1
         if self._moving():
             wait = self.due - clock.monotonic()
         if self._to_show():
@@ -102,27 +137,31 @@ class Visit:
             return None
 
     def _patience(self) -> float:
-        """Seconds for which a visitor may say nothing."""
-        return self.idle_seconds if self.session is not None else min(BEGINNING, self.idle_seconds)
+        """Seconds for which a visitor may be silent, or away."""
+        if self.session is None:
+            return min(BEGINNING, self.idle_seconds) if self.line is not None else 0.0
+        return self.idle_seconds if self.line is not None else self.kept_seconds
 
     def _moving(self) -> bool:
-        """Whether the cell goes on: someone waits for a time of it, or lets it play and still looks."""
-        if self.session is None or self.catching_up is not None:
-            return self.session is not None
+        """Whether the cell runs: it has a time to reach, or it plays and is still watched."""
+        if self.session is None or self.line is None or not self.open or self.line.quiet:
+            return False
+        if self.catching_up is not None:
+            return True
         return self.playing and (self.unseen < UNSEEN or clock.monotonic() - self.seen_at < PATIENCE)
 
     def _to_show(self) -> bool:
-        """Whether the page lacks the newest picture and can take it."""
-        return self.stale and self.unseen < UNSEEN + self.acted
+        """Whether the page lacks the newest picture and is ready for it."""
+        return self.stale and self.open and self.unseen < UNSEEN + self.acted
 
     async def _onward(self) -> None:
-        """Compute a moment if it is time, and show what there is to show."""
+        """Compute for a moment if it is time, and send a picture if one is due."""
         cell = self.session
         if cell is None:
             return
         if self._moving() and clock.monotonic() >= self.due:
             try:
-                arrived = await self.work.forward(cell)
+                arrived = await self.work.forward(cell, self._prepare)
             except InputError as error:
                 self.playing, self.catching_up = False, None
                 await self._refuse(error)
@@ -130,29 +169,39 @@ class Visit:
                 return
             if arrived:
                 self.stale = True
-                if self.catching_up is not None and cell.live.t >= self.catching_up - 1e-9:
+                if self.catching_up is not None and cell.live.t >= instant(self.catching_up):
                     self.catching_up = None
                     await self._tell()
                 pause = 0.0 if self.catching_up is not None else cell.live.every / self.speed
-                # What could not be kept up with is not made up for.
+                # Time that was lost is not made up for.
                 self.due = max(self.due + pause, clock.monotonic() - pause)
         if self._to_show() and clock.monotonic() - self.sent_at >= 1 / MOST_PICTURES:
             await self._show()
 
-    async def _answer(self, text: str) -> None:
+    async def _answer(self, ask: messages.Ask | InputError) -> None:
+        self.busy = True
         try:
-            await self._done(messages.understood(text))
+            if isinstance(ask, InputError):
+                raise ask
+            if ask.n is not None:
+                self.done = ask.n
+            await self._do(ask)
             self.refusals = 0
         except InputError as error:
             self.refusals += 1
             await self._refuse(error)
-            if self.refusals >= REFUSALS:
-                raise ConnectionError("too many refused asks") from error
+            self.left = self.refusals >= REFUSALS
+        finally:
+            self.busy = False
 
-    async def _done(self, ask: messages.Ask) -> None:
+    async def _do(self, ask: messages.Ask) -> None:
         if isinstance(ask, messages.Seen):
             self.unseen, self.seen_at = max(0, self.unseen - 1), clock.monotonic()
+            if self.shown:
+                self.shown.popleft()
             return
+        if isinstance(ask, messages.Resume | messages.Sign):
+            raise InputError("message", ask.do, "the first on a connection", "reload the page")
         if isinstance(ask, messages.Begin):
             await self._begin(ask)
             return
@@ -164,7 +213,7 @@ class Visit:
             return
         if isinstance(ask, messages.Speed):
             self.speed = ask.value
-        elif isinstance(ask, messages.Change):
+        elif isinstance(ask, messages.Set):
             await self._act(cell, lambda: cell.change(ask.values))
         elif isinstance(ask, messages.Drug):
             await self._act(cell, lambda: cell.drug(ask.name))
@@ -176,7 +225,7 @@ class Visit:
         if what == "hash":
             await self._say(type="hash", t=cell.live.t, sha256=await self.work.quickly(cell.digest))
         elif what == "curves":
-            if self.curves is None or self.curves.done():  # they take seconds, in which the cell goes on
+            if self.curves is None or self.curves.done():  # they take seconds, during which the cell runs
                 self.curves = asyncio.create_task(self._curves(cell.live.params_now))
         elif what == "new_seed":
             given = {name: dict(table) for name, table in cell.setup.tables.items()}
@@ -201,7 +250,9 @@ class Visit:
 
     async def _begin(self, ask: messages.Begin) -> None:
         if ask.link is not None:
-            await self._open(setup.from_link(ask.link), False)
+            begun = setup.from_link(ask.link)
+            later = begun.until(ask.t) if ask.t is not None else begun
+            await self._open(later, bool(ask.playing))
         elif ask.preset is not None:
             chosen = preset(ask.preset)
             await self._open(setup.from_tables(chosen.tables, chosen.protocol), self.playing, ask.preset)
@@ -209,57 +260,63 @@ class Visit:
             await self._open(setup.from_tables(ask.setup or {}), self.playing)
 
     async def _open(self, begun: setup.SetUp, playing: bool, name: str | None = None) -> None:
-        self.session = await self.work.opened(begun)
+        self.session = await self.work.opened(begun, self._prepare)
         self.preset, self.playing, self.due = name, playing, clock.monotonic()
         self.catching_up = begun.t if begun.t > 0 else None
-        self.stale = True
+        # Pictures of the previous cell are still in transit; their records are no longer needed.
+        self.shown = deque(([] for _ in self.shown), self.shown.maxlen)
+        self.begun, self.stale = self.begun + 1, True
         await self._tell(fresh=True)
 
     async def _act(self, cell: Session, what: Callable[[], None]) -> None:
         await self._to_frame(cell)
-        await self.work.act(cell, what)
+        await self.work.act(cell, what, self._prepare)
         self.stale, self.acted, self.sent_at = True, True, 0.0
 
     async def _to_frame(self, cell: Session, once: bool = False) -> None:
-        """Go on to the next frame, if the cell stands between two, or `once` in any case."""
+        """Compute up to the next frame if the cell is between two, or with `once` in any case."""
         while once or not cell.live.at_frame:
-            if await self.work.forward(cell):
+            if await self.work.forward(cell, self._prepare):
                 return
 
     async def _tell(self, fresh: bool = False) -> None:
-        cell = self.session
-        assert cell is not None
-        live, told = cell.live, cell.told()
-        if self.catching_up is not None:  # an address that is copied now keeps the time it asks for
-            told = replace(told, t=max(told.t, self.catching_up))
-        in_force = {
-            name: value if not getattr(value, "ndim", 0) else float(value.mean())
-            for name, value in live.params_now.items()
-        }
+        assert self.session is not None
         await self._say(
             type="cell",
-            setup=cell.setup.filled(),
-            parameters=in_force,
-            special=cell.special(),
-            protocol=[{"at": step.at, "text": str(step)} for step in live.protocol],
-            link=told.link(),
-            t=live.t,
+            **self.session.words(self.catching_up or 0.0),
             playing=self.playing,
             speed=self.speed,
             catching_up=self.catching_up,
             preset=self.preset,
+            begun=self.begun,
+            done=self.done,
             fresh=fresh,
         )
 
+    @contextlib.asynccontextmanager
+    async def _prepare(self, what: str, another: bool) -> AsyncIterator[None]:
+        """Report that something is being prepared, and when it is; `another` cell, or more of this one."""
+        self.preparing = {"sentence": what, "another": another}
+        await self._say(type="preparing", **self.preparing)
+        try:
+            yield
+        finally:
+            self.preparing = None
+            await self._say(type="prepared")
+
     async def _show(self) -> None:
-        assert self.session is not None
-        picture = await self.work.quickly(self.session.picture)
+        cell = self.session
+        assert cell is not None
+        self.shown.append(cell.fresh)
+        picture = await self.work.quickly(cell.picture)
         self.unseen, self.sent_at, self.stale = self.unseen + 1, clock.monotonic(), False
         self.acted = False
-        await self.wire.show(picture)
+        if self.line is not None and self.open:
+            await self.line.show(picture)
 
     async def _refuse(self, error: InputError) -> None:
         await self._say(type="refused", sentence=str(error))
 
     async def _say(self, **words: Any) -> None:
-        await self.wire.say(json.dumps(words))
+        if self.line is not None and self.open:
+            await self.line.say(json.dumps(words))

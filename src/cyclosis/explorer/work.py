@@ -1,99 +1,141 @@
-"""Threads that compute for all visitors: moments of cells, and beside them what takes seconds."""
+"""Threads that compute for all visitors: short steps of cells, and separately whatever takes seconds."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import os
+import sys
+import threading
+import time as clock
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from ..dynamics.protocol import Protocol
 from ..model.errors import InputError
-from .session import Kind, Session, kinds
+from .session import Kind, Session, kind_at
 from .setup import SetUp, is_placed
 
 MOST_KINDS = 40
 """Kinds of cell for which compiled programs are kept; each takes about 20 MB."""
 FEW, FEW_PLACED = 100, 10
-"""Steps of a protocol to which one more is added in a moment, and if they change parameters in regions."""
-_known: set[Kind] = set()
+"""Most steps of a protocol for which adding one is quick, and if they change parameters in regions."""
+_compiled: set[Kind] = set()
 """Kinds whose programs are compiled. JAX keeps these for the whole process."""
+_locks: dict[frozenset[Kind], threading.Lock] = {}
+"""Held while programs of those kinds are compiled, so that none is compiled twice."""
+
+Prepare = Callable[[str, bool], contextlib.AbstractAsyncContextManager[None]]
+"""Tells a visitor what is being prepared, in a sentence, and whether it is another cell, meanwhile."""
+
+
+def _silently(what: str, another: bool) -> contextlib.AbstractAsyncContextManager[None]:
+    return contextlib.nullcontext()
 
 
 class Work:
-    """What visitors share: threads for moments of cells, one for long protocols, one for what takes seconds.
+    """Threads shared by all visitors: for short steps of cells, for long protocols, and for slow work.
 
-    A program is compiled for every kind of cell, in seconds. That happens in the slow thread, so that cells
-    under way go on, and no more programs are kept than there is memory for. To do one thing more to a cell
-    to which much was done takes longer than a moment.
+    A program is compiled for every kind of cell, which takes seconds. That happens in the slow thread, so
+    that other cells keep running, and no more programs are kept than there is memory for. Adding a step to a
+    long protocol is slow too.
     """
 
     def __init__(self, threads: int) -> None:
         self.cells = ThreadPoolExecutor(threads, "cell")
         self.long = ThreadPoolExecutor(1, "long")
         self.slow = ThreadPoolExecutor(1, "slow")
+        self.ahead = ThreadPoolExecutor(1, "ahead", _low_priority)
         self.visits = 0
+        self.took = 10.0
 
     def end(self) -> None:
-        """Begin nothing more."""
-        for threads in (self.cells, self.long, self.slow):
+        """Start no further work."""
+        for threads in (self.cells, self.long, self.slow, self.ahead):
             threads.shutdown(wait=False, cancel_futures=True)
 
     async def quickly(self, work: Callable[[], Any]) -> Any:
-        """Do what takes a moment."""
+        """Do work that takes a moment."""
         return await _within(self.cells, work)
 
     async def slowly(self, work: Callable[[], Any]) -> Any:
-        """Do what may take seconds."""
+        """Do work that may take seconds."""
         return await _within(self.slow, work)
 
-    async def forward(self, cell: Session) -> bool:
-        """Compute on for a moment; return whether the next frame is reached."""
+    async def forward(self, cell: Session, prepare: Prepare = _silently) -> bool:
+        """Compute for a moment; return whether the next frame is reached."""
         needed = cell.kinds()
         done: bool
-        if needed <= _known:
+        if needed <= _compiled:
             done = await self.quickly(cell.forward)
         else:
-            done = await self.slowly(lambda: self._prepared(needed, lambda: cell).forward())
+            async with prepare(self._sentence("what the cell needs from now on"), False):
+                done = await self.slowly(lambda: self._prepared(needed, lambda: cell).forward())
         return done
 
-    async def opened(self, begun: SetUp) -> Session:
+    async def opened(self, begun: SetUp, prepare: Prepare = _silently) -> Session:
         """Return the cell of a set-up."""
         ready = await _within(self.long if len(begun.steps) > FEW_PLACED else self.cells, begun.ready)
-        needed = kinds(ready.schedule, ready.grid)
-        threads = self._for(ready.protocol) if needed <= _known else self.slow
-        cell: Session = await _within(threads, lambda: self._prepared(needed, lambda: Session(begun, ready)))
+        needed = {kind_at(ready.schedule, ready.grid)}
+        cell: Session
+        if needed <= _compiled:
+            cell = await _within(self._for(ready.protocol), lambda: Session(begun, ready))
+        else:
+            points = f"{ready.grid.n_theta} x {ready.grid.n_z}"
+            async with prepare(self._sentence(f"a cell of {points} points"), True):
+                cell = await self.slowly(lambda: self._prepared(needed, lambda: Session(begun, ready)))
         return cell
 
-    async def act(self, cell: Session, what: Callable[[], None]) -> None:
-        """Do something to a cell."""
+    async def act(self, cell: Session, what: Callable[[], None], prepare: Prepare = _silently) -> None:
+        """Act on a cell."""
         await _within(self._for(cell.live.protocol), what)
-        if cell.kind not in _known:
-            await self.slowly(lambda: self._prepared(cell.kinds(), lambda: cell))
+        if cell.kind not in _compiled:
+            async with prepare(self._sentence("what this change needs"), False):
+                await self.slowly(lambda: self._prepared(cell.kinds(), lambda: cell))
+
+    async def prepared_ahead(self, begun: SetUp) -> None:
+        """Compile what a set-up needs before anyone requests it, in a thread of low priority."""
+        ready = await _within(self.ahead, begun.ready)
+        needed = {kind_at(ready.schedule, ready.grid)}
+        if not needed <= _compiled and len(_compiled | needed) <= MOST_KINDS // 2:
+            await _within(self.ahead, lambda: self._prepared(needed, lambda: Session(begun, ready)))
+
+    def _sentence(self, what: str) -> str:
+        return f"Preparing {what}. The first of its kind takes about {max(1, round(self.took))} s."
 
     def _for(self, protocol: Protocol) -> ThreadPoolExecutor:
-        """Return the threads for what becomes of a protocol."""
+        """Return the threads for work on a protocol."""
         return self.long if len(protocol) > (FEW_PLACED if is_placed(protocol) else FEW) else self.cells
 
     def _prepared(self, needed: set[Kind], make: Callable[[], Session]) -> Session:
-        """Return a cell once what it needs now is compiled."""
-        self._make_room(needed)
-        cell = make()
-        if cell.kind not in _known:
-            cell.rehearse()
-            _known.add(cell.kind)
+        """Return a cell once everything that it needs now is compiled."""
+        with _locks.setdefault(frozenset(needed), threading.Lock()):
+            self._make_room(needed)
+            began, cell = clock.perf_counter(), make()
+            if cell.kind not in _compiled:
+                cell.rehearse()
+                _compiled.add(cell.kind)
+                self.took = clock.perf_counter() - began
         return cell
 
     def _make_room(self, needed: set[Kind]) -> None:
-        if len(_known | needed) <= MOST_KINDS:
+        if len(_compiled | needed) <= MOST_KINDS:
             return
         if self.visits > 1:
             rule = "one that the server has already computed while others are here"
-            raise InputError("grid", next(iter(needed - _known))[0], rule, "try later, or choose another")
+            raise InputError("grid", next(iter(needed - _compiled))[0], rule, "try later, or choose another")
         import jax
 
         jax.clear_caches()  # type: ignore[no-untyped-call]
-        _known.clear()
+        _compiled.clear()
+        _locks.clear()
+
+
+def _low_priority() -> None:
+    """Give this thread a low priority, where threads have priorities."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
 
 
 async def _within(threads: ThreadPoolExecutor, work: Callable[[], Any]) -> Any:

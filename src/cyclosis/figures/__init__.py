@@ -1,1 +1,1 @@
-"""Pictures of cells."""
+"""Figures and movies of cells, sweeps and theory."""

@@ -16,6 +16,7 @@ from matplotlib.ticker import NullFormatter
 from ..analysis.outcomes import REGIONS, Separation, separation
 from ..analysis.regimes import REGIMES
 from ..analysis.wilson import wilson
+from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
 from . import plane
@@ -36,8 +37,8 @@ class Members:
     """The members (n,) of the points in C/U that became cyclosis or unidirectional.
 
     `k0` is |<P_z>| of the initial state and `m1` the amplitude of its wave m = 1, q = 0 of P_z, both
-    positive; `cyclosis` says which became it; `point` is the place of the parameter point among all points
-    in C/U, `seed` that of the seed.
+    positive; `cyclosis` says which became cyclosis; `point` is the index of the parameter point among all
+    points in C/U, `seed` that of the seed.
     """
 
     k0: Array
@@ -53,7 +54,7 @@ class Members:
 
 
 class Shares(NamedTuple):
-    """Shares (n,) of cyclosis at places `at` (n,), between the ends `low` and `high` of 95 % intervals."""
+    """Shares (n,) of cyclosis at `at` (n,), and the ends `low` and `high` of their 95 % intervals."""
 
     at: Array
     share: Array
@@ -61,6 +62,7 @@ class Shares(NamedTuple):
     high: Array
 
 
+@door
 def basins(
     dataset: Any,
     select: Mapping[str, float] | None = None,
@@ -70,28 +72,28 @@ def basins(
     """Return the figure of the basins of cyclosis and of the unidirectional state within region C/U.
 
     All points of the sweep `dataset` at which some members became cyclosis and others unidirectional are
-    taken together; members in other regimes are left out.
+    combined; members in other regimes are left out.
 
     * Every initial state at its |<P_z>| (the mode k = 0) and its amplitude of P_z in the mode m = 1,
       q = 0; its colour is the percentage of the parameter points at which it became cyclosis. The line
-      m1 = r |k0| is that which foretells most outcomes (`cyclosis.analysis.outcomes.separation`).
+      m1 = r |k0| is the one that predicts most outcomes (`cyclosis.analysis.outcomes.separation`).
     * The share of cyclosis against the ratio m1/|k0|, in bins of equally many members, and that line.
     * Over two axes: the ratio r of the line of each parameter point alone; grey where no line helps.
     * Where `filaments_per_square` is an axis: the share of cyclosis against it.
 
-    A sentence says how many outcomes the line foretells, how many the lines of the points do, and how many
-    one would by always naming the commoner outcome. Bars are Wilson's 95 % intervals. Since the same seeds
-    serve all parameter points, a seed counts as one trial there, however many points it has.
+    A sentence says how many outcomes are predicted by the line, by the lines of the points, and by always
+    naming the commoner outcome. Bars are Wilson's 95 % intervals. Since all parameter points use the same
+    seeds, a seed counts as one trial, however many points it has.
 
     `select` and `log` are as in `phase_diagram`, `width` is in millimetres; all quantities are dimensionless.
-    Raises `InputError` for what is no sweep with initial_k0 and initial_m1, for more than two axes beside
-    `filaments_per_square`, and where no point is in C/U.
+    Raises `InputError` for anything but a sweep with initial_k0 and initial_m1, for more than two axes
+    besides `filaments_per_square`, and where no point is in C/U.
 
     Example:
         >>> import cyclosis as cy
         >>> from cyclosis.figures.basins import basins
-        >>> from cyclosis.sweep.block import compute
-        >>> from cyclosis.sweep.store import Store
+        >>> from cyclosis.sweep.store.block import compute
+        >>> from cyclosis.sweep.store.store import Store
         >>> tables = {"parameters": {"d_s": 0.1, "alpha_u": 0.1}, "grid": {"n_theta": 16, "n_z": 16}}
         >>> axes = {"alpha_p": {"values": [0.5]}}  # where the initial state decides
         >>> sweep = cy.Sweep.from_tables(tables | {"axes": axes, "ensemble": {"seeds": 8}})
@@ -116,7 +118,7 @@ def members(sweep: Swept) -> Members:
     seeds = np.broadcast_to(np.arange(shape[-1]) % sweep.dataset.sizes["seed"], shape)
     points = np.cumsum((sweep.regions == _BOTH).ravel()).reshape(sweep.regions.shape) - 1
     decided = np.isin(sweep.regime, (_CYCLOSIS, _UNIDIRECTIONAL)) & (sweep.regions == _BOTH)[..., None]
-    # Without noise there are no amplitudes; on logarithmic scales they have no place.
+    # Without noise the amplitudes are zero, which a logarithmic scale cannot show.
     taken = decided & (k0 > 0) & (m1 > 0) & np.isfinite(k0 * m1)
     if not taken.any():
         rule = "those of a sweep with points at which both cyclosis and the unidirectional state occur"
@@ -137,8 +139,8 @@ def states(found: Members) -> tuple[Array, Array, Array]:
 def by_ratio(found: Members) -> Shares:
     """Return the share of cyclosis against m1/|k0|, in bins with equally many members.
 
-    There is a bin for every ten seeds, but at most `MOST_BINS`; the place of a bin is the geometric mean of
-    its ratios. Every seed in a bin counts as one trial.
+    There is a bin for every ten seeds, but at most `MOST_BINS`; a bin is at the geometric mean of its ratios.
+    Every seed in a bin counts as one trial.
     """
     count = min(max(np.unique(found.seed).size // 10, 1), MOST_BINS)
     edges = np.quantile(found.ratio, np.linspace(0, 1, count + 1))
@@ -153,7 +155,7 @@ def by_ratio(found: Members) -> Shares:
 def by_number(sweep: Swept) -> Shares:
     """Return the share of cyclosis against `filaments_per_square`, over the points in C/U.
 
-    Of all members there, whatever their regime; every seed counts as one trial.
+    The share is that of all members there, in any regime; every seed counts as one trial.
     """
     values = np.asarray(sweep.dataset[NUMBER].values, dtype=np.float64)
     seeds = sweep.dataset.sizes["seed"]
@@ -167,22 +169,22 @@ def by_number(sweep: Swept) -> Shares:
     return Shares(values[order], share[order], low[order], high[order])
 
 
-def own_lines(found: Members) -> dict[int, Separation]:
-    """Return the `Separation` by m1/|k0| of each parameter point in C/U alone, by its place among them."""
+def line_by_point(found: Members) -> dict[int, Separation]:
+    """Return the `Separation` by m1/|k0| of each parameter point in C/U alone, by its index among them."""
     return {
         int(k): separation(found.ratio[found.point == k], found.cyclosis[found.point == k])
         for k in np.unique(found.point)
     }
 
 
-def foretold(lines: Mapping[int, Separation], found: Members) -> float:
-    """Return the share of members that the lines of their own parameter points foretell."""
+def predicted(lines: Mapping[int, Separation], found: Members) -> float:
+    """Return the share of members whose outcome the line of their parameter point predicts."""
     right = sum(line.correct * np.sum(found.point == k) for k, line in lines.items())
     return float(right / found.point.size)
 
 
 def _drawn(sweep: Swept, found: Members, width: float) -> Figure:
-    lines = own_lines(found)
+    lines = line_by_point(found)
     over_axes = len(sweep.axes) == 2 and len(lines) > 1
     count = 2 + over_axes + (NUMBER in sweep.dataset.dims)
     columns = 3 if count == 3 else 2
@@ -212,12 +214,12 @@ def _drawn(sweep: Swept, found: Members, width: float) -> Figure:
 
 
 def _sentences(lines: Mapping[int, Separation], found: Members, width: float) -> list[str]:
-    """Return, in one line or two, how many outcomes the lines foretell."""
+    """Return, in one line or two, how many outcomes the lines predict."""
     one = separation(found.ratio, found.cyclosis)
-    each = f", by a line for each point {100 * foretold(lines, found):.0f} %" if len(lines) > 1 else ""
+    each = f", by a line for each point {100 * predicted(lines, found):.0f} %" if len(lines) > 1 else ""
     runs = f"{grouped(found.point.size)} runs at {len(lines)} point{'s' * (len(lines) > 1)} in C/U"
     shares = (
-        f"outcomes foretold: by the line {100 * one.correct:.0f} %{each}, "
+        f"outcomes predicted: by the line {100 * one.correct:.0f} %{each}, "
         f"by always naming the commoner {100 * one.guess:.0f} %"
     )
     return [f"{runs}; {shares}"] if width >= 160 else [runs, shares]

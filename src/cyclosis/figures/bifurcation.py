@@ -10,17 +10,18 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..model.doors import door
 from ..model.errors import InputError, choice, number
 from ..model.grid import Array
-from ..stability.branch import MEASURES, Branch
-from ..stability.diagram import label
+from ..stability.branches.branch import MEASURES, Branch
+from ..stability.branches.diagram import label
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
 COLOURS = (UP, "#d29a1f", DOWN, "#2f6fb0", "#a8443c", INK)
 """Colours of branches, in turn."""
 MARKS = {"fold": "^", "branch point": "o", "Hopf point": "D"}
-"""Marks of special points that concern states the same all along the cell; waves along it are open marks."""
+"""Marks of special points of states that are uniform along the cell; marks of waves along it are open."""
 SYMBOLS = {
     "max_P": r"$\max\,|\mathbf{P}|$",
     "max_u": r"$\max\,|\mathbf{u}|$",
@@ -30,11 +31,12 @@ SYMBOLS = {
     "rms_u": r"$\langle|\mathbf{u}|^2\rangle^{1/2}$",
     "drift": "drift about the axis",
 }
-"""What may be drawn, as it is labelled."""
+"""Labels of the quantities that may be drawn."""
 # Places in millimetres.
 _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _HIGH, _ROW = 16.0, 4.0, 10.0, 5.0, 19.0, 58.0, 4.8
 
 
+@door
 def bifurcation(
     branches: Sequence[Branch],
     measures: Sequence[str] = ("max_P", "mean_P_theta"),
@@ -43,10 +45,10 @@ def bifurcation(
 ) -> Figure:
     """Return the figure of branches over their common parameter, a panel for each measure.
 
-    Thick lines are stable against everything, waves along the cell included; thin dashed ones are not. Marks
-    are folds, branch points and Hopf points; those of waves along the cell are open. `measures` are keys of
-    `Branch.measures`, or "drift". Dimensionless; `width` in millimetres. Raises `InputError` for other
-    measures, for branches over different parameters, and for a logarithmic scale that reaches 0.
+    Thick lines are stable to all perturbations, including waves along the cell; thin dashed ones are not.
+    Marks are folds, branch points and Hopf points; those of waves along the cell are open. `measures` are
+    keys of `Branch.measures`, or "drift". Dimensionless; `width` in millimetres. Raises `InputError` for
+    other measures, for branches over different parameters, and for a logarithmic scale that reaches 0.
 
     Example:
         >>> import cyclosis as cy
@@ -62,7 +64,7 @@ def bifurcation(
     if not chosen:
         raise InputError("measures", [], "at least one of " + ", ".join(MEASURES), "name what to draw")
     if len(names) != 1:
-        raise InputError("branches", sorted(names), "over one parameter", "draw them apart")
+        raise InputError("branches", sorted(names), "over one parameter", "draw them separately")
     lowest = min(float(branch.parameter.min()) for branch in branches)
     if log and lowest <= 0:
         raise InputError(names.pop(), lowest, "above 0 on a logarithmic scale", "raise its bound")
@@ -99,7 +101,7 @@ def _panel(ax: Any, branches: Sequence[Branch], measure: str, log: bool) -> None
     for branch, colour in zip(branches, _colours(len(branches)), strict=True):
         x, y, stable = branch.parameter, _values(branch, measure), branch.stable
         ax.plot(x, y, color=colour, linewidth=0.8, linestyle=(0, (3, 1.5)), zorder=2)
-        # A piece is stable if both its ends are; a special point at an end of it is neutral.
+        # A segment is stable if both its ends are; a special point at one end is neutral.
         ends = stable | np.isin(np.arange(x.size), [point.index for point in branch.points])
         both = ends[1:] & ends[:-1] & (stable[1:] | stable[:-1])
         for piece in np.flatnonzero(both):

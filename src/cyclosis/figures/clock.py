@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from ..model.grid import Array
 
 STEADY_SHARE = 0.3
-"""Share of a movie that runs evenly on the square-root scale; the rest runs evenly along the way of P."""
+"""Share of a movie that is even on the square-root scale; the rest is even along the path of P."""
 _TICK_ROOM = 0.14
 """Least distance between ticks, as a fraction of the axis."""
 
@@ -18,7 +18,7 @@ _TICK_ROOM = 0.14
 def time_axis(ax: Any, first: float, last: float) -> None:
     """Give axes a horizontal axis of time from `first` to `last`, on a square-root scale.
 
-    Cyclosis forms early and settles late: this shows both, and time 0, which a logarithm would not.
+    Cyclosis forms early and settles late: this scale shows both, and time 0, which a logarithm would not.
     """
 
     def forward(t: Any) -> Any:
@@ -51,15 +51,15 @@ def ticks(first: float, last: float) -> list[float]:
 def movie_times(times: Array, way: Array, count: int) -> Array:
     """Return increasing times (count,) for the frames of a movie, from the first to the last saved.
 
-    `times` (n,) are those saved, `way` (n,) how far P has travelled by then. Most frames are spread
-    evenly along that way, so that fast changes are shown slowly; a share of them is spread over time
-    itself, so that the clock never stands still.
+    `times` (n,) are those saved, `way` (n,) the distance that P has travelled by then. Most frames are
+    spread evenly along that path, so that fast changes are shown slowly; a share of them is spread over
+    time itself, so that the clock never stops.
     """
     first, span = times[0], times[-1] - times[0]
     share = STEADY_SHARE if way[-1] > 0 else 1.0
     # The square root is steep at its start: points between the saved times keep its inverse smooth.
     fine = np.union1d(times, first + span * np.linspace(0.0, 1.0, 2001) ** 2)
-    told = share * np.sqrt((fine - first) / span)
-    told += (1 - share) * np.interp(fine, times, way) / max(way[-1], 1e-300)
-    found: Array = np.interp(np.linspace(0.0, told[-1], count), told, fine)
+    clock = share * np.sqrt((fine - first) / span)
+    clock += (1 - share) * np.interp(fine, times, way) / max(way[-1], 1e-300)
+    found: Array = np.interp(np.linspace(0.0, clock[-1], count), clock, fine)
     return found

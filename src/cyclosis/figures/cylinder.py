@@ -11,8 +11,9 @@ from matplotlib.patches import Ellipse, PathPatch
 from matplotlib.path import Path
 from scipy.ndimage import map_coordinates, spline_filter
 
+from ..model.doors import door
 from ..model.errors import number
-from ..model.grid import Array, CylinderGrid
+from ..model.grid import Array, CylinderGrid, resolved
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, PAPER, ZONE, polarity_rgb
 
@@ -48,6 +49,7 @@ def extent(length: float, tilt: float = TILT) -> tuple[float, float, float, floa
     return -1.0, 1.0, -float(np.sin(tilt)), float(length * np.cos(tilt) + np.sin(tilt))
 
 
+@door
 def draw(
     ax: Any,
     grid: CylinderGrid,
@@ -67,7 +69,7 @@ def draw(
     zones P_z = 0, dark lines the flow, from their thin to their thick ends. `view_angle` (radians) is
     the angle theta that faces the viewer, `tilt` (radians, 0 to 1.2) how far the viewer looks down.
     `peak_speed` is the speed of the strongest lines, by default that of this flow; give a run's peak
-    to compare frames. `ribbons` are streamlines to draw instead of those found here.
+    to compare frames. `ribbons` are streamlines to draw instead of new ones.
     `pixels` is the number of colour samples across the diameter. Everything is dimensionless. Raises
     `InputError` for fields that do not match the grid.
 
@@ -82,7 +84,7 @@ def draw(
         >>> len(ax.images) > 0
         True
     """
-    state, flow = grid.check_state(P), grid.check_state(u, "the flow")
+    state, flow = resolved(grid.check_state(P)), grid.check_state(u, "the flow")
     view_angle = number("view_angle", view_angle, -1e6, 1e6, "choose an angle in radians")
     tilt = checked_tilt(tilt)
     box = extent(grid.length, tilt)
@@ -119,7 +121,7 @@ def draw(
         linewidth=0.6,
         zorder=4,
     )
-    # As artists, because as patches they would be measured for limits that are known.
+    # As artists, because patches would be measured to set limits that are already known.
     ax.add_artist(PathPatch(body, facecolor="none", edgecolor=INK, linewidth=0.6, zorder=3))
     ax.add_artist(lid)
     ax.set(xlim=(-1.03, 1.03), ylim=(box[2] - 0.03, box[3] + 0.03), aspect="equal")

@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
 
+from ..model.doors import door
 from ..model.errors import InputError, number
 from . import cylinder
-from .frames import at_hand, facing_zone, frame, grid_of, indices_at, peak_speed, story
+from .frames import facing_zone, frame, grid_of, in_memory, indices_at, peak_speed, story
 from .style import QUIET, TYPE, WIDTH, blank, colour_key, place
 from .unwrapped import draw_map
 
@@ -25,6 +26,7 @@ _MARGIN, _LABEL, _LINKS, _AXIS, _KEY, _GAP = 2.0, 6.5, 9.0, 6.5, 12.5, 7.0
 _TALLEST = 72.0
 
 
+@door
 def emergence(
     dataset: Any,
     times: Sequence[float] | None = None,
@@ -36,8 +38,8 @@ def emergence(
     """Return the figure of a run: a row of cylinders over time, and unwrapped maps of some of them.
 
     `dataset` is a run's `xarray.Dataset` with P and u. `times` of the cylinders (2 to 8): the saved
-    frames nearest to them are drawn and labelled with their own times; by default six that tell the
-    story. `map_times` are those of them to unwrap, at most half as many; by default every other one.
+    frames nearest to them are drawn and labelled with their actual times; by default six that show how the
+    state developed. `map_times` are those of them to unwrap, at most half as many; by default every second.
     `view_angle` (radians) is the angle that faces the viewer, by default one that shows an indifferent
     zone of the last frame; `tilt` (radians) is how far the viewer looks down; `width` is in millimetres.
     Colours, lines and strengths mean the same in all frames. Raises `InputError` for times outside the
@@ -53,7 +55,7 @@ def emergence(
         'emergence.png'
     """
     grid = grid_of(dataset)
-    dataset = at_hand(dataset)
+    dataset = in_memory(dataset)
     tilt = cylinder.checked_tilt(tilt)
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     shown = story(dataset, CYLINDERS) if times is None else indices_at(dataset, times)
@@ -88,7 +90,7 @@ def _time(dataset: Any, index: int) -> str:
 
 
 class _Layout:
-    """Where everything goes, in millimetres from the lower left corner."""
+    """The positions of all parts, in millimetres from the lower left corner."""
 
     def __init__(
         self,
@@ -136,7 +138,7 @@ class _Layout:
             ax.set_ylabel("$z$", rotation=0, labelpad=-1.0, va="center")
         else:
             ax.set_yticklabels([])
-        # The lines of unrolling: the lower rim of the cylinder opens out into the upper edge of its map.
+        # Lines of unrolling, from the lower rim of the cylinder to the upper edge of its map.
         for x, edge in ((-1.0, 0.0), (1.0, 1.0)):
             link = ConnectionPatch(
                 (x, 0.0),

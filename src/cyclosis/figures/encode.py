@@ -1,12 +1,14 @@
-"""Pictures in a row -> a file: MP4 (H.264) or GIF. A file appears whole or not at all."""
+"""Encode a sequence of pictures to a file, MP4 (H.264) or GIF, which appears complete or not at all."""
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol
@@ -21,8 +23,12 @@ from .scene import Pixels
 SUFFIXES = (".mp4", ".gif")
 GIF_HEIGHT = 324
 """GIFs are at most this many pixels high, because they compress badly."""
+SHORTEST_DELAY = 2
+"""Least time that a picture of a GIF is shown, in hundredths of a second: browsers slow down faster ones."""
+LONGEST_DELAY = 655.35
+"""Longest time that it is shown, in seconds: the format has 16 bits for it."""
 _COLOURS, _SAMPLES = 128, 12
-"""Number of colours of a GIF, and of the frames from which they are chosen."""
+"""Number of colours of a GIF, and of frames from which they are chosen."""
 _BT709 = 1
 """The number of the colour space of video in ITU-T H.273."""
 
@@ -33,13 +39,15 @@ class _Encoder(Protocol):
 
 
 class Output:
-    """A movie file in the making: a context that puts the file in its place at the end, or drops it.
+    """A movie file being written: a context manager that moves the file to its path at the end, or drops it.
 
-    The kind follows from the suffix of `path`; `rate` is in frames per second. Frames go to a temporary
-    file beside `path`. Raises `InputError` for other suffixes and places that cannot be written to.
+    The kind follows from the suffix of `path`. `frames` pictures last `seconds` in total: in an MP4 equally
+    long, with the total right to a millisecond, in a GIF in whole hundredths of a second that add up. Frames
+    go to a temporary file next to `path`. Raises `InputError` for other suffixes, for a GIF whose frames
+    would be shown too long, and for places that cannot be written to.
     """
 
-    def __init__(self, path: str | os.PathLike[str], rate: Fraction) -> None:
+    def __init__(self, path: str | os.PathLike[str], frames: int, seconds: float) -> None:
         self.path = Path(path)
         kind = self.path.suffix.lower()
         if kind not in SUFFIXES:
@@ -47,16 +55,19 @@ class Output:
             raise InputError("path", str(self.path), rule, "change its suffix")
         if self.path.is_dir():
             raise InputError("path", str(self.path), "a file name", "add a name to the folder")
+        if kind == ".gif" and seconds > LONGEST_DELAY * frames:
+            rule = f"at least {math.ceil(seconds / LONGEST_DELAY)} for a GIF of {seconds:g} seconds"
+            raise InputError("frames", frames, rule, "give more frames, or write an MP4")
         with self._writing():
             handle, name = tempfile.mkstemp(
                 prefix=f".{self.path.name}.", suffix=".partial", dir=self.path.parent
             )
             os.close(handle)
             self.partial = Path(name)
-        self.encoder: _Encoder = (_Mp4 if kind == ".mp4" else _Gif)(self.partial, rate)
+        self.encoder: _Encoder = (_Mp4 if kind == ".mp4" else _Gif)(self.partial, frames, seconds)
 
     def add(self, pixels: Pixels) -> None:
-        """Take the next frame (height, width, 3); both sizes even, the same for all frames."""
+        """Add the next frame (height, width, 3); both sizes even, the same for all frames."""
         with self._writing():
             self.encoder.add(pixels)
 
@@ -70,7 +81,7 @@ class Output:
             with self._writing():
                 if error is None:
                     self.encoder.finish()
-                    # Temporary files are private; a movie gets the rights that any new file gets.
+                    # Temporary files are private; a movie gets the permissions of any new file.
                     mask = os.umask(0)
                     os.umask(mask)
                     self.partial.chmod(0o666 & ~mask)
@@ -89,10 +100,11 @@ class Output:
 
 
 class _Mp4:
-    """H.264 as all players read it; its index comes first, so that it plays while it loads."""
+    """H.264 that all players read; its index comes first, so that it plays while it loads."""
 
-    def __init__(self, path: Path, rate: Fraction) -> None:
-        self.path, self.rate = path, rate
+    def __init__(self, path: Path, frames: int, seconds: float) -> None:
+        self.path = path
+        self.rate = frames / Fraction(round(1000 * seconds), 1000)
         self.container: Any = None
 
     def add(self, pixels: Pixels) -> None:
@@ -117,12 +129,18 @@ class _Mp4:
 class _Gif:
     """An endless loop, with one palette chosen from frames throughout the movie."""
 
-    def __init__(self, path: Path, rate: Fraction) -> None:
+    def __init__(self, path: Path, frames: int, seconds: float) -> None:
         self.path = path
-        self.duration = max(20, 10 * round(100 / rate))  # GIFs count in hundredths of a second
+        self.delays = delays(frames, seconds)
         self.frames: list[Image.Image] = []
+        shown = len(self.delays)
+        self.chosen = {round(k * (frames - 1) / max(shown - 1, 1)) for k in range(shown)}
+        self.seen = 0
 
     def add(self, pixels: Pixels) -> None:
+        self.seen += 1
+        if self.seen - 1 not in self.chosen:
+            return
         image = Image.fromarray(pixels)
         factor = min(1.0, GIF_HEIGHT / image.height)
         size = (round(factor * image.width), round(factor * image.height))
@@ -132,10 +150,22 @@ class _Gif:
         chosen = np.linspace(0, len(self.frames) - 1, min(_SAMPLES, len(self.frames))).astype(int)
         sample = np.concatenate([np.asarray(self.frames[k]) for k in chosen])
         palette = Image.fromarray(sample).quantize(_COLOURS)
-        # Paper stays white; the mean of nearly white colours would not be.
+        # The background stays white; the mean of nearly white colours would not.
         colours = np.array(palette.getpalette()).reshape(-1, 3)
         colours[colours.sum(axis=1).argmax()] = 255
         palette.putpalette(colours.ravel().tolist())
         # Without dithering, whose noise would not compress.
         first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in self.frames)
-        first.save(self.path, "gif", save_all=True, append_images=others, duration=self.duration, loop=0)
+        lasting = [10 * delay for delay in self.delays]  # Pillow counts in milliseconds
+        first.save(self.path, "gif", save_all=True, append_images=others, duration=lasting, loop=0)
+
+
+def delays(frames: int, seconds: float) -> list[int]:
+    """Return how many hundredths of a second each picture of a GIF is shown, `seconds` in total.
+
+    Where there would be less than `SHORTEST_DELAY` for each of `frames` pictures, there are fewer pictures.
+    """
+    whole = round(100 * seconds)
+    shown = min(frames, whole // SHORTEST_DELAY)
+    ends = [k * whole // shown for k in range(shown + 1)]
+    return [end - start for start, end in pairwise(ends)]

@@ -1,4 +1,4 @@
-"""Frames of a run's dataset: reading one, finding those at given times, choosing those that tell a story."""
+"""Frames of a run's dataset: reading one, finding those at given times, or some that show its course."""
 
 from __future__ import annotations
 
@@ -9,18 +9,26 @@ import numpy.typing as npt
 import xarray
 
 from ..analysis.zones import zone_angles
+from ..model.arrays import numbers
+from ..model.doors import door
 from ..model.errors import InputError, number
-from ..model.grid import Array, CylinderGrid
+from ..model.grid import Array, CylinderGrid, covered, resolved
+from ..model.instants import instant
+from ..model.wording import beside
 
 SETTLED = 0.995
-"""Share of the whole way that P travels after which a story ends: what follows hardly moves."""
+"""Share of the whole path of P after which a story ends: later frames hardly differ."""
 IN_MEMORY = 2**28
 """Runs whose P takes no more bytes than this are read at once, which is faster than frame by frame."""
 _DIMS = ("time", "component", "theta", "z")
 
 
 def grid_of(dataset: Any) -> CylinderGrid:
-    """Return the grid of a run's dataset. Raises `InputError` if it is none, or has no fields."""
+    """Return the grid of a run's dataset.
+
+    Raises `InputError` if it is not the dataset of a run, has no fields, or holds only a part of the cell, as
+    a selection does.
+    """
     if not isinstance(dataset, xarray.Dataset):
         raise InputError("dataset", type(dataset).__name__, "an xarray.Dataset", "use the dataset of a run")
     for name in ("P", "u"):
@@ -28,11 +36,14 @@ def grid_of(dataset: Any) -> CylinderGrid:
             found, rule = list(dataset.data_vars), "P and u over (time, component, theta, z), and others"
             raise InputError("the dataset's variables", found, rule, "use the dataset of a run")
     length = number("length", dataset.attrs.get("length"), 1e-9, 1e9, "keep the dataset's attribute `length`")
+    for name, period in (("theta", 2 * np.pi), ("z", length)):
+        if name in dataset.coords:
+            covered(name, dataset[name].values, period, "the dataset")
     return CylinderGrid(dataset.sizes["theta"], dataset.sizes["z"], length)
 
 
-def at_hand(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Return a run's dataset in memory if it is small, else as it is."""
+def in_memory(dataset: xarray.Dataset) -> xarray.Dataset:
+    """Return a run's dataset, loaded into memory if it is small."""
     return dataset.compute() if dataset["P"].nbytes <= IN_MEMORY else dataset
 
 
@@ -49,22 +60,21 @@ def peak_speed(dataset: xarray.Dataset) -> float:
     return max(float(np.hypot(*frame(dataset, index)[1]).max()) for index in range(dataset.sizes["time"]))
 
 
+@door
 def indices_at(dataset: xarray.Dataset, times: npt.ArrayLike, name: str = "times") -> list[int]:
     """Return the frames nearest to increasing times (n,).
 
-    Raises `InputError` for times outside the dataset, not increasing, or so close that two of them
-    mean the same frame.
+    Raises `InputError` for times outside the dataset, not increasing, or so close that two of them select
+    the same frame.
     """
     saved = np.asarray(dataset["time"].values, dtype=np.float64)
-    try:
-        wanted = np.asarray(times, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(name, times, "a list of times", "give numbers") from error
+    wanted = numbers(name, times, "a list of times", "give numbers")
     if wanted.ndim != 1 or wanted.size == 0:
         raise InputError(name, times, "a list of at least one time", "give numbers")
+    first, last = instant(saved[0]), instant(saved[-1])
     for time in wanted.tolist():
-        if not saved[0] <= time <= saved[-1]:
-            rule = f"within the dataset, from {saved[0]:g} to {saved[-1]:g}"
+        if not first <= instant(time) <= last:
+            rule = f"within the dataset, from {beside(first, time)} to {beside(last, time)}"
             raise InputError(name, time, rule, "choose a time that was saved")
     found = [int(np.argmin(np.abs(saved - time))) for time in wanted]
     if np.any(np.diff(found) < 1):
@@ -74,7 +84,7 @@ def indices_at(dataset: xarray.Dataset, times: npt.ArrayLike, name: str = "times
 
 
 def travelled(dataset: xarray.Dataset) -> Array:
-    """Return the way (time,) that P has travelled by each frame: the sum of <|P(t + dt) - P(t)|²>^½."""
+    """Return the distance (time,) that P has travelled by each frame: the sum of <|P(t + dt) - P(t)|²>^½."""
     way, before = [0.0], dataset["P"].isel(time=0).values
     for index in range(1, dataset.sizes["time"]):
         now = dataset["P"].isel(time=index).values
@@ -84,10 +94,10 @@ def travelled(dataset: xarray.Dataset) -> Array:
 
 
 def story(dataset: xarray.Dataset, count: int) -> list[int]:
-    """Return `count` frames, in order, that tell how the state came about.
+    """Return `count` frames, in order, that show how the state developed.
 
-    They lie evenly along the way that P travels: fast changes get more frames than slow ones. The first
-    is the initial state, the last the state once it hardly changes, however long the run went on. Raises
+    They are spaced evenly along the path of P: fast changes get more frames than slow ones. The first is the
+    initial state, the last the state once it hardly changes, however long the run continued. Raises
     `InputError` for fewer than `count` frames.
     """
     frames = dataset.sizes["time"]
@@ -96,19 +106,20 @@ def story(dataset: xarray.Dataset, count: int) -> list[int]:
     way = travelled(dataset)
     shares = np.linspace(0.0, SETTLED, count)
     chosen = np.abs(way[:, None] - shares * way[-1]).argmin(axis=0)
-    # Each its own frame: later ones are moved on where several fell on one, then back from the end.
+    # Each gets its own frame: where several fell on one, later ones move on, then back from the end.
     offset = np.arange(count)
     chosen = np.maximum.accumulate(chosen - offset) + offset
     return [int(i) for i in np.minimum(chosen, frames - count + offset)]
 
 
+@door
 def facing_zone(P: npt.ArrayLike, beside: float = 0.25) -> float:
     """Return a viewing angle in [0, 2π) that shows an indifferent zone of a state (2, n_theta, n_z).
 
     The zone appears `beside` radians left of the middle, with the upward stream on its right. Without a zone
     along the cell the most strongly ordered meridian faces the viewer.
     """
-    profile = np.asarray(P, dtype=np.float64)[1].mean(axis=1)
+    profile = resolved(np.asarray(P, dtype=np.float64)[1]).mean(axis=1)
     angles = zone_angles(profile)
     theta = 2 * np.pi * np.arange(profile.size) / profile.size
     if angles.size == 0:

@@ -10,15 +10,15 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..analysis.diagnostics import QUANTITIES
+from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
 from .clock import time_axis
-from .frames import at_hand, grid_of
-from .style import DOWN, INK, LEGEND, QUIET, SHADE, TYPE, UP, WIDTH, blank, mathtext, place
+from .frames import grid_of, in_memory
+from .records import FONTS, draw_records, is_polar, panels
+from .style import DOWN, INK, LEGEND, QUIET, SHADE, UP, WIDTH, mathtext
 from .theory import draw_profiles
 
-# Places in millimetres.
-_LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
 _SYMBOLS = {item.name: mathtext(item.symbol) for item in QUANTITIES} | {
     "mean": r"$|\langle\mathbf{P}\rangle|$"
 }
@@ -35,13 +35,15 @@ _NEEDED = (
 )
 
 
+@door
 def history(dataset: Any, width: float = WIDTH) -> Figure:
     """Return the figure of a run over time: order, speeds, stripe widths, power; and its last profile.
 
-    `dataset` is a run's `xarray.Dataset`. Time runs on a square-root scale, because cyclosis forms early
-    and settles late. The power that goes in is a line over the two dissipations, stacked: it lies on
-    their sum. At the right the axial means of P_z and u_z of the last frame are points; if they are two
-    stripes, lines are the steady state of `cyclosis.stability`, and their largest difference is stated.
+    `dataset` is a run's `xarray.Dataset`. Time is on a square-root scale, because cyclosis forms early and
+    settles late. The power input is a line over the two dissipations, stacked: it coincides with their
+    sum. On the right points are the axial means of P_z and u_z of the last frame; if there are two stripes,
+    lines are the steady state of `cyclosis.stability`, and the largest difference is stated. Of a run of
+    another model than the polar one, every recorded quantity is drawn in a panel of its own.
     `width` is in millimetres; all quantities are dimensionless. Raises `InputError` for a dataset
     without fields or recorded quantities, or of a single time.
 
@@ -53,26 +55,24 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
         >>> history(run.to_dataset()).get_size_inches().round(1)
         array([7.1, 3.9])
     """
-    grid_of(dataset)
-    for name in _NEEDED:
+    polar = not isinstance(dataset, xarray.Dataset) or is_polar(dataset)
+    if polar:
+        grid_of(dataset)
+    for name in _NEEDED if polar else ():
         if name not in dataset:
             rule = f"with the recorded quantity {name}, and others"
             raise InputError("the dataset's variables", list(dataset.data_vars), rule, "use a whole run")
     if dataset.sizes["time"] < 2:
         raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
     width = number("width", width, 120.0, 1000.0, "choose a width in millimetres")
-    with matplotlib.rc_context(TYPE | {"font.size": 9.0, "axes.labelsize": 9.0, "xtick.labelsize": 8.5}):
-        return _drawn(at_hand(dataset), width)
+    if not polar:
+        return draw_records(dataset, width)
+    with matplotlib.rc_context(FONTS):
+        return _drawn(in_memory(dataset), width)
 
 
 def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
-    across = (width - _LEFT - _RIGHT - 2 * _GAP) / 3
-    figure = blank(width, _BELOW + 2 * (_HEIGHT + _ABOVE))
-
-    def panel(column: int, row: int) -> Any:
-        left = _LEFT + column * (across + _GAP)
-        return place(figure, left, _BELOW + (1 - row) * (_HEIGHT + _ABOVE), across, _HEIGHT)
-
+    figure, panel = panels(width, 2)
     axes = [[panel(column, row) for row in (0, 1)] for column in (0, 1, 2)]
     (order, speed), (widths, power), profiles = axes
     _order(order, dataset)
@@ -83,11 +83,8 @@ def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
     for ax in (order, speed, widths, power):
         time_axis(ax, *(float(dataset["time"].values[k]) for k in (0, -1)))
         ax.legend(**LEGEND)
-    for upper, lower in axes:
+    for upper, _ in axes:
         upper.tick_params(labelbottom=False)
-        for ax in (upper, lower):
-            ax.spines[["top", "right"]].set_visible(False)
-            ax.yaxis.set_label_coords(-0.2, 0.5)
     for lower in (speed, power):
         lower.set_xlabel("$t$", labelpad=1.0)
     profiles[1].set_xlabel("$θ$", labelpad=1.0)
@@ -95,7 +92,7 @@ def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
 
 
 def _series(dataset: xarray.Dataset, name: str) -> tuple[Array, Array]:
-    """Return the times and values of a recorded quantity, on whichever time axis it lies."""
+    """Return the times and values of a recorded quantity, on its time axis."""
     values = dataset[name]
     return values[values.dims[0]].values, values.values
 

@@ -1,4 +1,4 @@
-"""Where cyclosis exists and where it is stable: the threshold over decades, and how the two part."""
+"""Where cyclosis exists and where it is stable: the threshold over decades, and how the two separate."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..model.doors import door
 from ..model.errors import number
-from ..stability.boundaries import Limits
-from ..stability.onset import Neighbourhood
+from ..stability.existence.boundaries import Limits
+from ..stability.existence.onset import Neighbourhood
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 from .swept import axis
 
@@ -20,12 +21,13 @@ _HIGH, _RATIO, _BETWEEN = 52.0, 18.0, 5.0
 _STRIPES = "#e6d8f3"
 
 
+@door
 def limits(found: Limits, near: Neighbourhood | None = None, width: float = WIDTH) -> Figure:
     """Return the figure of the α_u beyond which two stripes exist and are stable, over a parameter.
 
-    Left, on a logarithmic scale: the threshold of stability, the fold below α_p = d_r + d_s, and what the
-    motion of fronts gives; below it the ratio of threshold and front formula. Right, if `near` is given, the
-    neighbourhood of α_p = d_r + d_s, where existence and stability part. Dimensionless; `width` in mm.
+    Left, on a logarithmic scale: the threshold of stability, the fold below α_p = d_r + d_s, and the formula
+    for fronts; below, the ratio of the threshold to that formula. Right, if `near` is given, the
+    neighbourhood of α_p = d_r + d_s, where existence and stability separate. Dimensionless; `width` in mm.
 
     Example:
         >>> import cyclosis as cy

@@ -1,4 +1,4 @@
-"""A run as a movie: the slowly turning cylinder beside the unwrapped map, the flow streaming over both."""
+"""A run as a movie: the slowly turning cylinder and the unwrapped map, with the flow streaming over both."""
 
 from __future__ import annotations
 
@@ -9,31 +9,32 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
 
+from ..model.doors import door
 from ..model.errors import InputError, number, whole
 from ..model.grid import Array, CylinderGrid, interpolate
 from .clock import movie_times
 from .encode import Output
-from .frames import at_hand, facing_zone, frame, grid_of, peak_speed, travelled
-from .scene import Pixels, Scene, Shot, Stage, draw_shot, open_stage
+from .frames import facing_zone, frame, grid_of, in_memory, peak_speed, travelled
+from .scene import Pixels, Scene, SceneLayout, Shot, draw_shot, open_stage
 from .tracers import Tracers
 
 PACE = 0.6
-"""Radii that the fastest flow carries a line in a second of the movie."""
+"""Radii that the fastest flow moves a line in a second of the movie."""
 FADE = 0.5
 """Seconds in which a line appears or disappears."""
 FINEST = 192
-"""States on finer grids are reduced to this many points in either direction: no picture shows more."""
+"""States on finer grids are reduced to this many points in each direction: no picture shows more."""
 HEIGHT = 540
 """Default height of a frame in pixels."""
 
 
+@door
 def movie(
     dataset: Any,
     paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
@@ -47,12 +48,14 @@ def movie(
 ) -> list[Path]:
     """Write the movie of a run as MP4 or GIF, by suffix, and return the paths.
 
-    `dataset` is a run's `xarray.Dataset`. Several `paths` share the drawing. `frames` are spread over
+    `dataset` is a run's `xarray.Dataset`. Frames are drawn once for all `paths`. `frames` are spread over
     `seconds` so that fast changes are shown slowly (see `cyclosis.figures.clock.movie_times`), from the
     first to the last saved time; between saved times P and u are interpolated linearly. The cylinder
     makes `turns` and ends with an indifferent zone in front. The lines stream at a pace set by the flow's
     speed, but per second of the movie, not per unit of time. `height` is in pixels, a multiple of 18;
-    frames are 16:9, GIFs at most 324 pixels high. `progress(done, total)` is called after every frame.
+    frames are 16:9, GIFs at most 324 pixels high. A GIF has a resolution of a hundredth of a second and shows
+    at most 50 frames per second: its frames differ in duration by one hundredth, and surplus frames are left
+    out, so that it lasts `seconds` too. `progress(done, total)` is called after every frame.
     `workers` processes draw, by default one per core; in a script that is not guarded by
     `if __name__ == "__main__":` give 1. Raises `InputError` for bad arguments, fewer than 2 saved
     frames, and places that cannot be written to.
@@ -80,9 +83,8 @@ def movie(
     if not listed:
         raise InputError("paths", listed, "at least one file name", "give the movie a name")
     with ExitStack() as stack:
-        rate = Fraction(frames / seconds).limit_denominator(1000)
-        outputs = [stack.enter_context(Output(path, rate)) for path in listed]
-        dataset = at_hand(dataset)
+        outputs = [stack.enter_context(Output(path, frames, seconds)) for path in listed]
+        dataset = in_memory(dataset)
         shots = _shots(dataset, grid, frames, seconds, turns)
         for done, pixels in enumerate(_drawn(_scene(dataset, grid, height), shots, processes), 1):
             for output in outputs:
@@ -95,8 +97,10 @@ def movie(
 def _processes(workers: int | None) -> int:
     most = min(8, os.cpu_count() or 1) if workers is None else workers
     processes = whole("workers", most, 1, 256, "choose a number of processes")
-    # A script that is not guarded is run again by every process it starts: this is where that ends.
-    if processes > 1 and multiprocessing.parent_process() is not None:
+    # A script that is not guarded is run again by every process it starts: refuse that here, before a file is
+    # opened. At that moment such a process has no parent yet; multiprocessing itself checks this attribute.
+    beginning = getattr(multiprocessing.current_process(), "_inheriting", False)
+    if processes > 1 and (beginning or multiprocessing.parent_process() is not None):
         raise _unguarded(processes)
     return processes
 
@@ -145,7 +149,7 @@ def _shots(
 
 
 class _Between:
-    """The fields of a run between its saved times; keeps the two frames in use."""
+    """The fields of a run between its saved times; caches the two frames in use."""
 
     def __init__(self, dataset: xarray.Dataset) -> None:
         self.dataset, self.times = dataset, dataset["time"].values
@@ -166,7 +170,7 @@ class _Between:
 def _drawn(scene: Scene, shots: Iterator[Shot], processes: int) -> Iterator[Pixels]:
     """Yield the frames' pictures in order, drawn in this process or in several others."""
     if processes == 1:
-        stage = Stage(scene)
+        stage = SceneLayout(scene)
         yield from map(stage.drawn, shots)
         return
     # Fresh processes, because a copy of one that has used JAX may hang.

@@ -1,4 +1,4 @@
-"""How many of many cells stream: the share of cyclosis over a sweep's parameters (the paper's Figure 5)."""
+"""How many cells stream: the share of cyclosis over a sweep's parameters (the paper's Figure 5)."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from matplotlib.figure import Figure
 
 from ..analysis.regimes import REGIMES
 from ..analysis.wilson import wilson
+from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
 from . import plane
 from .regime_maps import regimes_and_time as regimes_and_time
 from .style import INK, SHADE, WIDTH, blank, place
 from .swept import Axis, Swept, place_of, swept
-from .thresholds import Curve, given, thresholds
+from .thresholds import BorderCurve, given, thresholds
 
 CUTS = 4
-"""Largest number of cuts that are chosen where none are asked for."""
+"""Largest number of cuts chosen by default."""
 MOST_CUTS = 6
-"""Largest number of cuts that may be asked for."""
+"""Largest number of cuts that may be requested."""
 PERCENT = Normalize(0.0, 100.0)
 # Places in millimetres.
 _LEFT, _AXIS, _MAP, _KEY, _GAP, _RIGHT, _BETWEEN = 13.0, 9.0, 84.0, 3.0, 18.0, 3.0, 6.5
@@ -31,6 +32,7 @@ _TITLE, _CURVE, _STRIP = 6.5, 62.0, 6.0
 _CYCLOSIS = REGIMES.index("cyclosis")
 
 
+@door
 def phase_diagram(
     dataset: Any,
     select: Mapping[str, float] | None = None,
@@ -41,28 +43,28 @@ def phase_diagram(
 ) -> Figure:
     """Return the figure of the share of runs that end in cyclosis over one or two swept parameters.
 
-    `dataset` is a sweep's `xarray.Dataset` (as from `open_sweep`). Of two axes the first runs across, the
-    second up; every parameter point is a cell whose colour is the percentage of its members in cyclosis.
+    `dataset` is a sweep's `xarray.Dataset` (as from `open_sweep`). Of two axes the first is horizontal, the
+    second vertical; every parameter point is a cell, coloured by the percentage of its members in cyclosis.
     Cells without an ordered member are grey, cells without any computed member hatched. Lines along the
     cells border the regions of `cyclosis.analysis.outcomes.regions`, each named where it has most room: D
     no ordered member, C all cyclosis, C/U both it and the unidirectional state. Broken lines are theory:
     α_p = d_r, and the α_u beyond which the unidirectional state tilts or breaks into stripes, where these are
     axes; then `curves`, a list of further (name, x, y).
 
-    At the right are cuts along the first axis with Wilson's 95 % intervals, at the values `cuts` of
+    On the right are cuts along the first axis with Wilson's 95 % intervals, at the values `cuts` of
     the second (1 to 6 of them), by default those that cross most mixed points; marks on the edge of the map
-    say where. With one axis the cut is alone, below the regions.
+    show where they are. With one axis the cut is alone, below the regions.
 
     `select` = {axis: value} chooses values of further axes. `log` names the axes to draw on logarithmic
-    scales, the others being linear; by default each is drawn as its values are spread. `width` is in
-    millimetres; all quantities are dimensionless. Raises `InputError` for what is no sweep, for more than
-    two axes, and for values that were not swept.
+    scales, the others being linear; by default each scale is the one on which the values are more even.
+    `width` is in millimetres; all quantities are dimensionless. Raises `InputError` for anything but a sweep,
+    for more than two axes, and for values that were not swept.
 
     Example:
         >>> import cyclosis as cy
         >>> from cyclosis.figures.phase_diagram import phase_diagram
-        >>> from cyclosis.sweep.block import compute
-        >>> from cyclosis.sweep.store import Store
+        >>> from cyclosis.sweep.store.block import compute
+        >>> from cyclosis.sweep.store.store import Store
         >>> tables = {"axes": {"alpha_p": {"values": [0.01, 0.02]}}, "ensemble": {"seeds": 2}}
         >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
         >>> path = Store.create("diagram", sweep).write(0, compute(sweep, 0))
@@ -88,11 +90,11 @@ def percentages(sweep: Swept) -> tuple[Array, Array, Array]:
 
 
 def chosen_cuts(sweep: Swept, cuts: Sequence[float] | None = None) -> list[int]:
-    """Return the places on the second axis of the cuts, the highest first.
+    """Return the indices of the cuts on the second axis, the highest first.
 
     Those of the swept values `cuts`; by default of the at most four with most points where some members, but
     not all, became cyclosis, or evenly spread ones where there are no such points. Raises `InputError`
-    for values that were not swept, and for none or more than six.
+    for values that were not swept, and for fewer than one or more than six.
     """
     axis = sweep.axes[1]
     if cuts is not None:
@@ -108,7 +110,7 @@ def chosen_cuts(sweep: Swept, cuts: Sequence[float] | None = None) -> list[int]:
     return sorted(chosen, reverse=True)
 
 
-def _map(sweep: Swept, lines: list[Curve], cuts: list[int], width: float) -> Figure:
+def _map(sweep: Swept, lines: list[BorderCurve], cuts: list[int], width: float) -> Figure:
     x, y = sweep.axes
     side = min(_MAP, 0.47 * width)
     below, above = plane.foot(sweep, width) + _AXIS, plane.head(lines) + _TITLE
@@ -127,7 +129,7 @@ def _map(sweep: Swept, lines: list[Curve], cuts: list[int], width: float) -> Fig
         ax.legend(handles=handles, **plane.KEY)
     plane.key(place(figure, _LEFT + side + 3.0, below, _KEY, side), drawn, "% cyclosis")
     left = _LEFT + side + 3.0 + _KEY + _GAP
-    # The cuts stand below each other, as high together as the map; marks on its edge say where they run.
+    # The cuts are stacked, together as high as the map; marks on its edge show where they are.
     high = (side + _BETWEEN) / len(cuts) - _BETWEEN
     for k, row in enumerate(cuts):
         last = k == len(cuts) - 1
@@ -160,7 +162,7 @@ def draw_cut(ax: Any, x: Axis, percent: Array, low: Array, high: Array) -> None:
     ax.spines[["top", "right"]].set_visible(False)
 
 
-def _curve(sweep: Swept, lines: list[Curve], width: float) -> Figure:
+def _curve(sweep: Swept, lines: list[BorderCurve], width: float) -> Figure:
     (x,) = sweep.axes
     left, across = _LEFT + 2.0, width - _LEFT - 2.0 - _RIGHT
     below = plane.foot(sweep, width) + _AXIS

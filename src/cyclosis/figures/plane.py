@@ -19,15 +19,15 @@ from ..model.grid import Array
 from . import style
 from .style import INK, LEGEND, QUIET, SHADE, ZONE
 from .swept import Axis, Codes, Swept
-from .thresholds import DISORDER, EXISTS, ROTATES, STABLE, STRIPES, TILT, TILTS, Curve
+from .thresholds import DISORDER, EXISTS, ROTATES, STABLE, STRIPES, TILT, TILTS, BorderCurve
 
-# All run from light to dark, so that they read in grayscale and for every kind of colour vision.
+# All go from light to dark, so that they can be read in grayscale and with any kind of colour vision.
 SHARE = LinearSegmentedColormap.from_list(
     "share", ["#fbf8fd", "#dcc6f0", "#b78be0", "#9257c4", "#6a3394"], N=512
 )
 """Colours of a share from 0 (nearly white) to 1 (dark purple)."""
 SOME = LinearSegmentedColormap.from_list("some", SHARE(np.linspace(0.18, 1.0, 64)), N=512)
-"""The same for shares above 0, so that the smallest are still seen on white."""
+"""The same for shares above 0, so that the smallest are still visible on white."""
 TIME = LinearSegmentedColormap.from_list(
     "time", ["#e6f6e6", "#9cd8a4", "#5cae69", "#2f7040", "#12331d"], N=512
 )
@@ -46,11 +46,11 @@ STYLES: dict[str, tuple[str, Any]] = {
     TILTS: (INK, (0, (1, 0.8))),
     ROTATES: (INK, (0, (8, 1.6, 1, 1.6, 1, 1.6))),
 }
-"""Colours and line styles of theory's own curves."""
+"""Colours and line styles of the curves of theory."""
 FURTHER: tuple[Any, ...] = ("-", (0, (3, 1.2)), (0, (1, 1.2)), (0, (8, 2)))
 """Line styles, in turn, of other curves, which are dark green."""
 MISSING = "//////"
-"""Hatch of what has not been computed."""
+"""Hatch of points that have not been computed."""
 TYPE = style.TYPE | {"font.size": 9.0, "axes.labelsize": 10.0, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5}
 """Matplotlib settings of figures of sweeps."""
 KEY: dict[str, Any] = LEGEND | {"handlelength": 2.4, "bbox_to_anchor": (-0.025, 1.045)}
@@ -66,7 +66,7 @@ def cased(width: float = 2.2) -> list[Any]:
 
 
 def prepare(ax: Any, x: Axis, y: Axis, roomy: bool = True) -> None:
-    """Give axes the scales, limits, ticks and hatched ground of a plane; what is missing stays hatched.
+    """Give axes the scales, limits, ticks and hatched background of a plane; missing points stay hatched.
 
     Small axes, which are not `roomy`, get fewer ticks.
     """
@@ -101,7 +101,7 @@ def round_ticks(side: Any, wide: bool = False) -> None:
 
 
 def rounded(low: Array, high: Array) -> tuple[float, float]:
-    """Return the nearest of 1, 2, 5, 10, ... below all of `low` and above all of `high`, NaN left out.
+    """Return the nearest of 1, 2, 5, 10, ... below all of `low` and above all of `high`, ignoring NaN.
 
     They are at least a factor of four apart.
     """
@@ -122,7 +122,7 @@ def cells(
     norm: Normalize,
     shown: npt.NDArray[np.bool_] | None = None,
 ) -> Any:
-    """Draw values (nx, ny) as cells around the swept values; NaN, and what is not `shown`, stays empty."""
+    """Draw values (nx, ny) as cells around the swept values; NaN, and those not `shown`, stay empty."""
     drawn = np.ma.masked_invalid(values if shown is None else np.where(shown, values, np.nan))
     return ax.pcolormesh(x.edges, y.edges, drawn.T, cmap=colours, norm=norm, linewidth=0, zorder=1)
 
@@ -154,8 +154,8 @@ def outline(ax: Any, x: Axis, y: Axis, codes: Codes, width: float = 1.2) -> None
         ax.add_collection(lines)
 
 
-def label_regions(ax: Any, x: Axis, y: Axis, codes: Codes, curves: Sequence[Curve] = ()) -> None:
-    """Write each region's name where it has most room, away from curves if it can."""
+def label_regions(ax: Any, x: Axis, y: Axis, codes: Codes, curves: Sequence[BorderCurve] = ()) -> None:
+    """Write each region's name where it has most room, away from curves if possible."""
     names = list(REGIONS)
     for code in np.unique(codes[codes >= 0]):
         name = names[code]
@@ -175,12 +175,12 @@ def label_regions(ax: Any, x: Axis, y: Axis, codes: Codes, curves: Sequence[Curv
 
 
 def roomiest(
-    x: Axis, y: Axis, inside: npt.NDArray[np.bool_], curves: Sequence[Curve], stretch: float
+    x: Axis, y: Axis, inside: npt.NDArray[np.bool_], curves: Sequence[BorderCurve], stretch: float
 ) -> tuple[float, float]:
     """Return the point (x, y) of the largest part of the cells (nx, ny) `inside` with most room around it.
 
     Room is that of an ellipse `stretch` times wider than high, which no curve should cross; if curves
-    leave too little, they are not looked at.
+    leave too little room, they are ignored.
     """
     parts, count = scipy.ndimage.label(inside)
     across, up = (axis.between(_RASTER + 1) for axis in (x, y))
@@ -202,7 +202,7 @@ def roomiest(
     room = _room(free, stretch)
     if room.max() < _ENOUGH:
         room = _room(raster, stretch)
-    # Of nearly equal places, that nearest to the middle of the part.
+    # Of nearly equal places, choose the one nearest to the middle of the part.
     best = np.argwhere(room >= 0.97 * room.max())
     i, j = best[np.argmin(np.sum((best - np.argwhere(raster).mean(axis=0)) ** 2, axis=1))]
     return float(middles[0][i]), float(middles[1][j])
@@ -214,7 +214,7 @@ def _room(free: npt.NDArray[np.bool_], stretch: float) -> Array:
     return np.asarray(distance, dtype=np.float64)[1:-1, 1:-1]
 
 
-def draw_curves(ax: Any, curves: Sequence[Curve]) -> list[Any]:
+def draw_curves(ax: Any, curves: Sequence[BorderCurve]) -> list[Any]:
     """Draw curves, each in its own style, and return their lines for a legend."""
     lines: list[Any] = []
     for curve in curves:
@@ -228,7 +228,7 @@ def draw_curves(ax: Any, curves: Sequence[Curve]) -> list[Any]:
             linewidth=1.2 if known else 1.4,
             linestyle=line,
             label=curve.name,
-            # Where both limits of stripes are one, the dashes of the second lie on the line of the first.
+            # Where both limits of stripes coincide, the second is dashed on top of the first.
             path_effects=None if curve.name == EXISTS else cased(2.6),
             zorder=4,
         )
@@ -236,7 +236,7 @@ def draw_curves(ax: Any, curves: Sequence[Curve]) -> list[Any]:
     return lines
 
 
-def head(curves: Sequence[Curve]) -> float:
+def head(curves: Sequence[BorderCurve]) -> float:
     """Return the height in millimetres of the legend of curves above their axes."""
     return 3.0 + 4.8 * -(-len(curves) // KEY["ncols"])
 
@@ -253,7 +253,7 @@ def key(ax: Any, mappable: Any, title: str) -> None:
 
 
 def strip(ax: Any, axis: Axis, codes: Codes) -> None:
-    """Draw the regions (n,) along one axis into low axes: a box for each run of one region, with its name."""
+    """Draw the regions (n,) along one axis into low axes: a named box for each stretch of one region."""
     ax.set(xscale=axis.scale, xlim=axis.edges[[0, -1]], ylim=(0, 1))
     ax.set_axis_off()
     names = list(REGIONS)
@@ -277,7 +277,7 @@ def strip(ax: Any, axis: Axis, codes: Codes) -> None:
 
 
 def _notes(sweep: Swept, width: float) -> list[str]:
-    """Return lines that say what the names of the regions mean, and how many runs there are."""
+    """Return lines that explain the names of the regions and give the number of runs."""
     names = list(REGIONS)
     lines = [""]
     for code in np.unique(sweep.regions[sweep.regions >= 0]):
@@ -296,7 +296,7 @@ def foot(sweep: Swept, width: float) -> float:
 
 
 def notes(figure: Any, sweep: Swept) -> None:
-    """Write below a figure what the names of its regions mean, and how many runs it shows."""
+    """Explain the names of a figure's regions below it, and give the number of runs."""
     across, up = figure.get_size_inches() * 25.4
     lines = _notes(sweep, across)
     style = {"va": "bottom", "fontsize": 8.5}

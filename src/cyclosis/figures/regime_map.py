@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from ..model.doors import door
 from ..model.errors import number
-from ..stability.atlas import RegimeMap
+from ..stability.regime_map import RegimeMap
 from . import plane
 from .style import INK, LEGEND, QUIET, SHADE, WIDTH, ZONE, blank, place
 from .swept import Axis, Codes, axis
-from .thresholds import Curve, given, thresholds
+from .thresholds import BorderCurve, given, thresholds
 
 LETTERS = {
     "disordered": "D",
@@ -25,7 +26,7 @@ LETTERS = {
     "tilted": "T",
     "circumferential": "O",
 }
-"""Letters of the states; what is stable at a point is named by those of all."""
+"""Letters of the states; a point is named by the letters of all states that are stable there."""
 MEANINGS = {
     "D": "disorder",
     "U": "unidirectional",
@@ -50,11 +51,12 @@ COLOURS = {
     "U/O": "#5aa866",
     "C/T": "#b0795f",
 }
-"""Colours of sets of stable states; others are taken from those of their members, mixed."""
+"""Colours of sets of stable states; the colour of any other set is the mean of those of its members."""
 # Places in millimetres.
 _LEFT, _RIGHT, _BELOW, _SIDE, _ABOVE = 14.0, 4.0, 10.0, 108.0, 5.0
 
 
+@door
 def regime_map(
     found: RegimeMap,
     curves: Iterable[Any] = (),
@@ -62,11 +64,11 @@ def regime_map(
     theory: bool = True,
     width: float = WIDTH,
 ) -> Figure:
-    """Return the figure of stable states over two parameters, every point a cell coloured by what is stable.
+    """Return the figure of stable states over two parameters, every point a cell coloured by them.
 
-    Letters name the sets: where two states share a cell of the map, the initial state decides. With `theory`
-    lines are the thresholds of `thresholds` over the same axes; then `curves`, further (name, x, y). `log`
-    names the axes on logarithmic scales, by default as the values are spread. Dimensionless; `width` in mm.
+    Letters name the sets: where two states are stable, the initial state decides. With `theory` lines are the
+    thresholds of `thresholds` over the same axes; then `curves`, further (name, x, y). `log` names the axes
+    on logarithmic scales; by default it depends on the spread of values. Dimensionless; `width` in mm.
 
     Example:
         >>> import cyclosis as cy
@@ -125,7 +127,7 @@ def colour(name: str) -> Any:
     return tuple(np.mean(parts, axis=0))
 
 
-def _name(ax: Any, x: Axis, y: Axis, codes: Codes, sets: list[str], lines: list[Curve]) -> None:
+def _name(ax: Any, x: Axis, y: Axis, codes: Codes, sets: list[str], lines: list[BorderCurve]) -> None:
     for code, name in enumerate(sets):
         if np.sum(codes == code) < 0.008 * codes.size:
             continue

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from ..analysis.outcomes import time_to_order
 from ..analysis.regimes import REGIMES
+from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array
 from . import plane
@@ -34,6 +35,7 @@ _LEFT, _AXIS, _GAP, _KEYS, _ABOVE, _ROW = 13.0, 9.0, 4.0, 14.0, 8.0, 15.0
 _UPPER, _LOWER, _LARGEST = 42.0, 30.0, 80.0
 
 
+@door
 def regimes_and_time(
     dataset: Any,
     select: Mapping[str, float] | None = None,
@@ -48,14 +50,14 @@ def regimes_and_time(
     without computed members are hatched; lines are those between the regions of `phase_diagram`. One
     axis: the shares stacked, and below them the median time with its quartiles.
 
-    `select` and `log` are as in `phase_diagram`, `width` is in millimetres. Raises `InputError` for what is
-    no sweep with t_order, and for more than two axes.
+    `select` and `log` are as in `phase_diagram`, `width` is in millimetres. Raises `InputError` for anything
+    but a sweep with t_order, and for more than two axes.
 
     Example:
         >>> import cyclosis as cy
         >>> from cyclosis.figures.regime_maps import regimes_and_time
-        >>> from cyclosis.sweep.block import compute
-        >>> from cyclosis.sweep.store import Store
+        >>> from cyclosis.sweep.store.block import compute
+        >>> from cyclosis.sweep.store.store import Store
         >>> tables = {"axes": {"alpha_p": {"values": [0.01, 0.02]}}, "ensemble": {"seeds": 2}}
         >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
         >>> path = Store.create("regimes", sweep).write(0, compute(sweep, 0))
@@ -91,7 +93,7 @@ def _maps(sweep: Swept, times: Array, width: float) -> Figure:
     count = len(names) + 1
     columns = count if count <= 4 else 3 if count <= 6 else 4
     rows = -(-count // columns)
-    # In a single row the key of shares stands before the map of times, else at the end of the first row.
+    # In a single row the key of shares is left of the map of times, else at the end of the first row.
     extra = _KEYS if rows == 1 else 0.0
     side = (width - _LEFT - _KEYS - extra - (columns - 1) * _GAP) / columns
     side = min(side, _LARGEST)

@@ -1,6 +1,6 @@
 """Lines with a width, painted on the surface: indifferent zones and streamlines as polygons.
 
-A polygon follows the surface, so that a line narrows towards the silhouette of a cylinder as paint would.
+A polygon follows the surface, so that a line narrows towards the silhouette of a cylinder, as paint would.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ import numpy.typing as npt
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.path import Path
+from scipy.ndimage import map_coordinates
 
-from ..analysis.zones import DISORDER, indifferent_zones
-from ..model.grid import Array, CylinderGrid, interpolate
+from ..analysis.zones import contrast, indifferent_zones, weight
+from ..model.doors import door
+from ..model.grid import Array, CylinderGrid, interpolate, resolved
 from .streamlines import Streamline, streamlines
 
 ZONE_WIDTH = 0.042
@@ -36,32 +38,48 @@ Ribbon = tuple[Array, float]
 """A streamline as a polygon (n, 2) of unwrapped (theta, z), and its strength."""
 
 
+@door
 def zone_ribbons(grid: CylinderGrid, P: npt.ArrayLike, window: Window, scale: float = 1.0) -> list[Array]:
     """Return the indifferent zones of a state (2, n_theta, n_z) as polygons (n, 2) of (theta, z).
 
-    Only what lies at angles within `window` is returned; in z the polygons may reach beyond the
-    cylinder and should be clipped. `scale` multiplies the width. None in a disordered state
-    (<|P|²>^½ < 0.05), where P_z changes sign all over without separating any streams.
+    Only parts at angles within `window` are returned; in z the polygons may extend beyond the cylinder and
+    should be clipped. `scale` multiplies the width. A line thins out and ends where the filaments on its two
+    sides do not point in opposite directions (`cyclosis.zones.contrast`): none is drawn in disorder, where
+    P_z changes sign everywhere without separating any streams.
     """
-    state = grid.check_state(P)
-    if np.sqrt(np.mean(np.sum(state**2, axis=0))) < DISORDER:
+    state = resolved(grid.check_state(P))
+    around = contrast(grid, state)
+    if not np.any(weight(around)):
         return []
-    factor = -(-ZONE_POINTS // min(grid.shape))
-    fine = grid.resized(factor * grid.n_theta, factor * grid.n_z)
+    least = grid.n_theta if grid.n_z == 1 else min(grid.shape)
+    factor = -(-ZONE_POINTS // least)
+    fine = grid.resized(factor * grid.n_theta, ZONE_POINTS if grid.n_z == 1 else factor * grid.n_z)
     polygons = []
     for zone in indifferent_zones(fine, interpolate(state, fine.shape)):
-        width = np.full(zone.theta.size, scale * ZONE_WIDTH)
-        polygons += list(_copies(ribbon(zone.theta, zone.z, width), window, grid.length))
+        place = np.stack([zone.theta * grid.n_theta / (2 * np.pi), zone.z * grid.n_z / grid.length])
+        plain = weight(map_coordinates(around, place, order=1, mode="grid-wrap"))
+        for run in _runs(plain > 0):
+            width = scale * ZONE_WIDTH * plain[run]
+            polygons += list(_copies(ribbon(zone.theta[run], zone.z[run], width), window, grid.length))
     return polygons
 
 
+def _runs(chosen: npt.NDArray[np.bool_]) -> Iterator[slice]:
+    """Yield the stretches of at least two consecutive points that are chosen."""
+    edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - first > 1:
+            yield slice(int(first), int(end))
+
+
+@door
 def stream_ribbons(
     grid: CylinderGrid, u: npt.ArrayLike, window: Window, peak_speed: float, scale: float = 1.0
 ) -> tuple[list[Array], Array]:
     """Return streamlines of a flow (2, n_theta, n_z) as polygons (n, 2) of (theta, z), and strengths.
 
     They are made by `stream_ribbon`; nothing is drawn below 2 % of `peak_speed`. `window` and `scale` are
-    as for `zone_ribbons`, `scale` also spreads the lines.
+    as for `zone_ribbons`; `scale` also multiplies the distance between lines.
     """
     if peak_speed <= 0:
         return [], np.empty(0)
@@ -83,7 +101,7 @@ def stream_ribbon(line: Streamline, peak_speed: float, scale: float = 1.0, shown
 
 
 def placed(ribbons: Iterable[Ribbon], window: Window, length: float) -> tuple[list[Array], Array]:
-    """Return all periodic copies of ribbons that show within a window, and their strengths (n,)."""
+    """Return all periodic copies of ribbons that are visible in a window, and their strengths (n,)."""
     polygons: list[Array] = []
     strengths: list[float] = []
     for polygon, strength in ribbons:
@@ -109,12 +127,12 @@ def paint(
 
 
 def _copies(polygon: Array, window: Window, length: float) -> Iterator[Array]:
-    """Yield the periodic copies of a polygon that show within the window, cut at its sides."""
+    """Yield the periodic copies of a polygon that are visible in the window, cut at its sides."""
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     for dz in _shifts(low[1], high[1], length, (0.0, length)):
         for turn in _shifts(low[0], high[0], 2 * np.pi, window):
             copy = polygon + np.array([turn, dz])
-            # What lies beyond a side is laid flat onto it, where it has no area.
+            # Points beyond a side are moved onto it, so that the part outside has no area.
             np.clip(copy[:, 0], *window, out=copy[:, 0])
             yield copy
 

@@ -1,6 +1,6 @@
-"""The frames of a movie: the cylinder beside the unwrapped map, the clock, and the order so far.
+"""The frames of a movie: the cylinder next to the unwrapped map, the clock, and the order so far.
 
-Frames are drawn in worker processes, which import this module alone: nothing here may load JAX.
+Frames are drawn in worker processes, which import only this module: nothing here may load JAX.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _TYPE = TYPE | {
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """What one frame shows, dimensionless.
+    """The contents of one frame, dimensionless.
 
     The state `P` and flow `u` (2, n_theta, n_z), streamlines as ribbons, the angle (radians) that faces
     the viewer, the time, and the order then.
@@ -55,7 +55,7 @@ class Shot:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What all frames of a movie share: the grid, order (n,) over times (n,), and the height in pixels."""
+    """What all frames have in common: the grid, order (n,) over times (n,), and the height in pixels."""
 
     grid: CylinderGrid
     times: Array
@@ -63,14 +63,14 @@ class Scene:
     height: int
 
 
-class Stage:
-    """A scene set up for drawing: what stays the same is drawn once, each frame only adds to it."""
+class SceneLayout:
+    """A scene prepared for drawing: the fixed parts are drawn once, and each frame adds the rest."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         with matplotlib.rc_context(_TYPE):
             self.figure = blank(_WIDTH, _HEIGHT)
-            # A little more than asked for, because matplotlib rounds sizes down.
+            # A little more than requested, because matplotlib rounds sizes down.
             self.figure.set_dpi((scene.height + 1e-3) / self.figure.get_size_inches()[1])
             canvas: Any = FigureCanvasAgg(self.figure)
             self._cell()
@@ -91,7 +91,7 @@ class Stage:
         return np.array(np.asarray(self.canvas.buffer_rgba())[..., :3])
 
     def _set(self, shot: Shot) -> None:
-        """Replace what changes from frame to frame."""
+        """Replace the parts that change from frame to frame."""
         grid, times, order = self.scene.grid, self.scene.times, self.scene.order
         for artist in [*_contents(self.solid), *_contents(self.flat)]:
             artist.remove()
@@ -154,13 +154,13 @@ def _contents(ax: Any) -> list[Any]:
     return [*ax.images, *ax.collections, *ax.patches]
 
 
-_stage: Stage | None = None
+_stage: SceneLayout | None = None
 
 
 def open_stage(scene: Scene) -> None:
-    """Set up a scene in this process for the shots to come."""
+    """Set up a scene in this process for the following shots."""
     global _stage
-    _stage = Stage(scene)
+    _stage = SceneLayout(scene)
 
 
 def draw_shot(shot: Shot) -> Pixels:

@@ -10,12 +10,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
-from ..stability.branch import Branch
-from ..stability.eigenmodes import Modes
-from ..stability.profile import Profile
-from ..stability.travelling import Drifting
+from ..stability.branches.branch import Branch
+from ..stability.profiles.eigenmodes import Modes
+from ..stability.profiles.profile import Profile
+from ..stability.profiles.travelling import Drifting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
@@ -28,6 +29,7 @@ _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP = 15.0, 4.0, 10.0, 9.0, 16.0
 _PROFILE, _HIGH, _BETWEEN = 46.0, 56.0, 5.0
 
 
+@door
 def profile(found: Profile, width: float = WIDTH) -> Figure:
     """Return the figure of a steady state: polarity P and flow u around the cell, dimensionless.
 
@@ -48,6 +50,7 @@ def profile(found: Profile, width: float = WIDTH) -> Figure:
         return figure
 
 
+@door
 def drifting(found: Drifting, width: float = WIDTH) -> Figure:
     """Return the figure of tilted stripes that rotate: both components of P and of u, dimensionless.
 
@@ -76,6 +79,7 @@ def drifting(found: Drifting, width: float = WIDTH) -> Figure:
         return figure
 
 
+@door
 def spectrum(found: Profile, modes: Modes, width: float = WIDTH) -> Figure:
     """Return the figure of a steady state's leading eigenvalues in the complex plane and its first modes.
 
@@ -114,15 +118,15 @@ def spectrum(found: Profile, modes: Modes, width: float = WIDTH) -> Figure:
         return figure
 
 
+@door
 def eigenvalues(branch: Branch, log: bool = False, width: float = WIDTH) -> Figure:
-    """Return the figure of growth rates along a branch: over its parameter, and their way in the plane.
+    """Return the figure of growth rates along a branch: over its parameter, and their paths in the plane.
 
     Left, real parts over the parameter: purple for perturbations that do not vary along the cell, green for
-    the leading one of each axial wavenumber; upright lines mark special points. Right, their way in the
-    complex plane, darker as the parameter grows, or, where all are as good as real, what
-    lies near zero. `log` draws the
-    parameter on a logarithmic scale. Dimensionless; `width` in millimetres. Raises `InputError` for a
-    logarithmic scale that reaches 0.
+    the leading one of each axial wavenumber; vertical lines mark special points. Right, their paths in the
+    complex plane, darker as the parameter grows, or, where all are nearly real, a close-up around zero. `log`
+    draws the parameter on a logarithmic scale. Dimensionless; `width` in millimetres. Raises `InputError` for
+    a logarithmic scale that reaches 0.
 
     Example:
         >>> import cyclosis as cy
@@ -258,7 +262,7 @@ def _ways(ax: Any, branch: Branch, window: tuple[float, float], span: float) -> 
 
 
 def _window(branch: Branch) -> tuple[float, float]:
-    """Return limits that show what is near zero well, and not all that decays fast."""
+    """Return limits that show the neighbourhood of zero well, and leave out fast decay."""
     high = max(_largest(branch), 0.0)
     low = float(np.nanmin(branch.eigenvalues[:, : min(4, branch.eigenvalues.shape[1])].real))
     room = 0.06 * max(high - low, 1e-6)

@@ -1,4 +1,4 @@
-"""The figure of an experiment: cylinders before, during and after, and below them what was measured."""
+"""The figure of an experiment: cylinders before, during and after, and below them the measurements."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def story(
 ) -> Figure:
     """Return the figure of cylinders in a row, panels below them, and a text at the foot.
 
-    All cylinders are seen from one side, on which the last shows a zone, unless `same_view` is False.
+    All cylinders are seen from the same side, on which the last shows a zone, unless `same_view` is False.
     Speeds are drawn on one scale. `width` is in millimetres. Raises `InputError` without panels.
 
     Example:

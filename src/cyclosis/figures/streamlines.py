@@ -8,17 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array, CylinderGrid, interpolate
 
 STEP = 0.04
 """Arc length between the points of a line, in radii."""
 FINE = 192
-"""Flows are refined to at least this many points in either direction before lines are traced."""
+"""Flows are refined to at least this many points in each direction before lines are traced."""
 ROOM = 1.15
 """A line starts only this many separations away from others, so that it has room to run."""
 SHORTEST = 0.35
-"""Lines shorter than this fraction of the wanted length are not kept."""
+"""Lines shorter than this fraction of the requested length are not kept."""
 
 Velocity = Callable[[Array], Array]
 
@@ -41,6 +42,7 @@ class Streamline:
         return float(np.sum(np.hypot(np.diff(self.theta), np.diff(self.z))))
 
 
+@door
 def streamlines(
     grid: CylinderGrid,
     u: npt.ArrayLike,
@@ -82,8 +84,9 @@ def streamlines(
     return _spread(grid, points, speed, speed <= slowest, separation, length)
 
 
+@door
 def even_points(grid: CylinderGrid, separation: float) -> Array:
-    """Return points (2, n) of a low-discrepancy sequence, about four for every line that fits."""
+    """Return points (2, n) of a low-discrepancy sequence, about four per line that fits."""
     count = max(64, int(4 * 2 * np.pi * grid.length / (ROOM * separation) ** 2))
     plastic = 1.324717957244746  # the real root of x³ = x + 1 gives the most even two-dimensional sequence
     fractions = np.mod(0.5 + np.outer([1 / plastic, 1 / plastic**2], np.arange(count)), 1.0)
@@ -94,6 +97,7 @@ def _refined(n: int) -> int:
     return n * -(-FINE // n)
 
 
+@door
 def velocity_of(grid: CylinderGrid, flow: Array) -> Velocity:
     """Return the function that interpolates a flow (2, n_theta, n_z) at points (2, ...)."""
     fine = interpolate(flow, (_refined(grid.n_theta), _refined(grid.n_z)))
@@ -115,14 +119,14 @@ def velocity_of(grid: CylinderGrid, flow: Array) -> Velocity:
 
 
 def traced(velocity: Velocity, starts: Array, steps: int, step: Array | float) -> Array:
-    """Trace lines along u/|u| from all `starts` (2, n) at once; return points (2, steps + 1, n).
+    """Trace lines along u/|u| from all `starts` (d, n) at once; return points (d, steps + 1, n).
 
     Fourth-order Runge-Kutta. `step` is an arc length for all or for each line (n,), negative upstream.
     """
 
     def direction(points: Array) -> Array:
         v = velocity(points)
-        return v / np.maximum(np.hypot(*v), 1e-300)
+        return v / np.maximum(np.hypot.reduce(v, axis=0), 1e-300)
 
     path = [starts]
     for _ in range(steps):
@@ -152,7 +156,7 @@ def _spread(
     lines: list[Streamline] = []
     # Full lines first: short ones then only fill the gaps.
     for least in (0.95 * length, SHORTEST * length):
-        # What is taken stays taken, so the second round need not look at those seeds again.
+        # Occupied places stay occupied, so the second round need not try those seeds again.
         left = [k for k in left if not near_seed.taken[starts[k]]]
         for k in left:
             if near_seed.taken[starts[k]]:
@@ -174,7 +178,7 @@ def _spread(
 
 
 def _before_return(line: Array, separation: float) -> int:
-    """Return how many points (2, n) of a line come before it runs into its own beginning."""
+    """Return how many points (2, n) of a line come before it meets its own beginning."""
     gap = int(np.ceil(1.5 * separation / STEP))
     distance = np.hypot(*(line[:, :, None] - line[:, None, :]))
     meets = np.flatnonzero(np.any(np.tril(distance < separation, -gap), axis=1))
@@ -182,14 +186,14 @@ def _before_return(line: Array, separation: float) -> int:
 
 
 class Taken:
-    """Which small cells of the surface lie within a distance of the lines kept so far."""
+    """The small cells of the surface that are within a distance of the lines kept so far."""
 
     def __init__(self, grid: CylinderGrid, distance: float, fineness: int = 6) -> None:
         self.period = np.array([2 * np.pi, grid.length])
         self.shape = np.ceil(self.period / (distance / fineness)).astype(np.int64)
         size = self.period / self.shape
         self.taken = np.zeros(int(self.shape.prod()), dtype=bool)
-        # One cell's diagonal more than the distance, because points lie anywhere in their cells.
+        # The distance plus a cell's diagonal, because points may be anywhere in their cells.
         reach = distance + float(np.hypot(*size))
         most = np.minimum(np.ceil(reach / size).astype(np.int64), self.shape // 2)
         i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in most), indexing="ij")

@@ -1,7 +1,8 @@
-"""How all figures look: colours, type, sizes, and how they are saved."""
+"""The look of all figures: colours, type, sizes, and how they are saved."""
 
 from __future__ import annotations
 
+import io
 import os
 import re
 from pathlib import Path
@@ -26,7 +27,7 @@ POLARITY = LinearSegmentedColormap.from_list(
 INK = "#1b1720"
 """Text, outlines and streamlines."""
 QUIET = "#a9a4b0"
-"""Guides that should be found but not noticed."""
+"""Guide lines that should not attract attention."""
 PAPER = "#f3f1f5"
 """Cut ends of the cell."""
 UP = "#74399f"
@@ -113,7 +114,7 @@ def mathtext(symbol: str) -> str:
 
 
 def blank(width: float, height: float) -> Figure:
-    """Return an empty figure of `width` times `height` millimetres, free of any global state."""
+    """Return an empty figure of `width` times `height` millimetres, independent of global state."""
     return Figure(figsize=(width / 25.4, height / 25.4), facecolor="white")
 
 
@@ -137,7 +138,8 @@ def colour_key(ax: Any) -> None:
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a figure as PNG (300 dpi) or PDF, by the suffix of `path`, and return the path.
 
-    Raises `InputError` for other suffixes and for places that cannot be written to.
+    The file appears complete or not at all, and replaces an existing one. Raises `InputError` for other
+    suffixes and for places that cannot be written to.
 
     Example:
         >>> from cyclosis.figures import style
@@ -148,13 +150,18 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
             ...
         cyclosis.model.errors.InputError: path = 'empty.bmp' cannot be used: ...
     """
+    from ..dataset.whole import whole  # loads all that files need, which drawing alone does not
+
     target = Path(path)
     kind = target.suffix.lower()
     if kind not in (".png", ".pdf"):
         raise InputError("path", str(target), "a file name that ends in .png or .pdf", "change its suffix")
+    drawn = io.BytesIO()
     try:
         with matplotlib.rc_context(TYPE):
-            figure.savefig(target, dpi=DPI, format=kind[1:])
+            figure.savefig(drawn, dpi=DPI, format=kind[1:])
+        with whole(target) as new:
+            new.write_bytes(drawn.getvalue())
     except OSError as error:
         raise InputError(
             "path", str(target), "in a folder that can be written to", f"choose another ({error.strerror})"

@@ -1,4 +1,4 @@
-"""A sweep's dataset made ready for drawing: at most two axes, codes of regimes, the fixed parameters."""
+"""A sweep's dataset prepared for drawing: at most two axes, codes of regimes, the fixed parameters."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ import xarray
 from ..analysis.outcomes import REGIONS, regions, share, tally
 from ..analysis.regimes import REGIMES
 from ..model.definitions import GRID, INITIAL, PARAMETERS, TERM_NAMES
-from ..model.errors import InputError
+from ..model.errors import InputError, closest, number
 from ..model.grid import Array
 from ..model.parameters import Parameters
 
 Codes = npt.NDArray[np.int64]
 
 DOUBTFUL = ("underresolved", "diverged")
-"""Statuses of members that a figure mentions; they count all the same."""
+"""Statuses of members that a figure mentions; these members are counted too."""
 _USED = ("regime", "status", "t_order", "initial_k0", "initial_m1")
 _SYMBOLS = {item.name: item.symbol for item in (*INITIAL, *GRID, *PARAMETERS) if item.symbol != "-"}
 _RAISED = {"⁽ˢ⁾": "^{(s)}", "⁽ʳ⁾": "^{(r)}", "ℓ": r"\ell"}
@@ -69,7 +69,7 @@ class Axis:
 def axis(name: str, values: npt.ArrayLike, log: bool | None = None) -> Axis:
     """Return an `Axis` on a logarithmic scale or not.
 
-    By default on the scale on which its values are more even, linear if they span less than a factor of
+    The default is the scale on which its values are more even, linear if they span less than a factor of
     ten. Raises `InputError` for a logarithmic scale of values that are not above 0.
     """
     places = np.asarray(values, dtype=np.float64)
@@ -107,7 +107,7 @@ class Swept:
 
     @cached_property
     def trials(self) -> Codes:
-        """Members (axes...) that are there."""
+        """Numbers of members present (axes...)."""
         found: Codes = self.counts.sum(axis=-1)
         return found
 
@@ -134,9 +134,9 @@ class Swept:
         return found
 
     def variable(self, name: str) -> Array:
-        """Return a variable of the dataset, spread over (axes..., members).
+        """Return a variable of the dataset, broadcast to (axes..., members).
 
-        Raises `InputError` if it is not there.
+        Raises `InputError` if it is missing.
         """
         if name not in self.dataset:
             raise InputError(
@@ -178,11 +178,11 @@ def swept(
 ) -> Swept:
     """Return the `Swept` outcomes of a sweep's dataset (as from `open_sweep`).
 
-    `select` names axes and the swept values to keep; axes of a single value are dropped by themselves as
+    `select` names axes and the swept values to keep; axes of a single value are dropped automatically as
     long as one is left. `log` names the axes to draw on logarithmic scales, the others being linear; by
-    default each is drawn on that on which its values are more even. `beside` are axes to treat as further
-    members. Raises `InputError` for what is no sweep, for unknown axes or values, and for more than two
-    axes left.
+    default each scale is the one on which the values are more even. `beside` are axes to treat as further
+    members. Raises `InputError` for anything but a sweep, for unknown axes or values, and if more than two
+    axes are left.
     """
     if not isinstance(dataset, xarray.Dataset) or "regime" not in dataset:
         found = list(dataset.data_vars) if isinstance(dataset, xarray.Dataset) else type(dataset).__name__
@@ -206,7 +206,7 @@ def swept(
         raise InputError("the axes to draw", ", ".join(left) or "none", "one or two of them", remedy)
     for name in log or ():
         if name not in left:
-            raise InputError("log", name, "one of the axes " + ", ".join(left), "check the spelling")
+            raise InputError("log", name, "one of the axes " + ", ".join(left), closest(name, left))
     dataset = dataset.sortby(left).transpose(*left, ..., "seed", missing_dims="ignore")
     codes = _codes(dataset["regime"])
     axes = tuple(axis(name, dataset[name].values, None if log is None else name in log) for name in left)
@@ -220,7 +220,7 @@ def _selected(
     fixed = {}
     for name, value in select.items():
         if name not in axes:
-            raise InputError("select", name, "one of the axes " + ", ".join(axes), "check the spelling")
+            raise InputError("select", name, "one of the axes " + ", ".join(axes), closest(name, axes))
         values = np.asarray(dataset[name].values, dtype=np.float64)
         place = place_of(name, values, value)
         fixed[name] = float(values[place])
@@ -229,19 +229,17 @@ def _selected(
 
 
 def place_of(name: str, values: Array, value: Any) -> int:
-    """Return which of an axis' values (n,) is meant by a value, to three digits. Raises `InputError`."""
-    try:
-        place = int(np.argmin(np.abs(values - float(value))))
-    except (TypeError, ValueError) as error:
-        raise InputError(name, value, "a number", "choose one of the swept values") from error
-    if not np.isclose(values[place], float(value), rtol=5e-3, atol=0):
+    """Return the index of the axis value (n,) that equals a value to three digits, or raise `InputError`."""
+    wanted = number(name, value, -1e300, 1e300, "choose one of the swept values")
+    place = int(np.argmin(np.abs(values - wanted)))
+    if not np.isclose(values[place], wanted, rtol=5e-3, atol=0):
         known = ", ".join(f"{each:.4g}" for each in values)
         raise InputError(name, value, "one of the swept values", f"choose from {known}")
     return place
 
 
 def _codes(regime: xarray.DataArray) -> Codes:
-    """Return codes as indices into `REGIMES`, whatever codes the dataset uses; -1 for missing."""
+    """Return codes as indices into `REGIMES`, for any codes in the dataset; -1 for missing."""
     names = str(regime.attrs.get("flag_meanings", " ".join(REGIMES))).split()
     given = np.atleast_1d(regime.attrs.get("flag_values", np.arange(len(names))))
     if len(given) != len(names) or not set(names) <= set(REGIMES):
@@ -260,6 +258,8 @@ def _parameters(dataset: xarray.Dataset, fixed: dict[str, float]) -> Parameters 
         configuration = json.loads(dataset.attrs["configuration"])
         terms = configuration.get("run", {}).get("terms")
         if (terms is not None and set(terms) != set(TERM_NAMES)) or "protocol" in configuration:
+            return None
+        if "model" in configuration:  # of the polar model by the paper's closure it is left out
             return None
         names = {item.name for item in PARAMETERS}
         values = configuration.get("parameters", {}) | {k: v for k, v in fixed.items() if k in names}

@@ -16,21 +16,23 @@ from ..model.definitions import TERM_NAMES
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
-from ..stability.profile import Profile, stripes
+from ..stability.profiles.profile import Profile, stripes
 from .frames import frame, grid_of
 from .style import DOWN, INK, LEGEND, UP
 
 _NEEDED = {"bundling", "flow_alignment", "diffusion", "rotational_diffusion"}
-"""Terms without which the theory is another one; straight stripes do not feel the others."""
+"""Terms without which the theory does not apply; the others do not affect straight stripes."""
 _PANELS = ("P_z", "u_z")
 
 
 def expected(dataset: xarray.Dataset) -> Profile | str:
-    """Return the theory of a run's last state, or a few words that say why there is none."""
+    """Return the theory of a run's last state, or in a few words why there is none."""
     P = frame(dataset, -1)[0]
     if not np.all(crossings(P) == 2):
         return "no two-stripe state"
     configuration = json.loads(dataset.attrs.get("configuration", "{}"))
+    if "model" in configuration:  # of the polar model by the paper's closure it is left out
+        return "no theory for this model"
     terms = set(configuration.get("run", {}).get("terms", ()))
     if not _NEEDED <= terms <= set(TERM_NAMES):
         return "no theory for these terms"
@@ -47,8 +49,8 @@ def expected(dataset: xarray.Dataset) -> Profile | str:
 def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset) -> None:
     """Draw the axial means of P_z and u_z in a run's last frame, and the theory, into two axes.
 
-    Points are the run, coloured by the direction of P_z; lines are the theory, its upward turn put where
-    the run has it. The largest difference between them is stated. Everything is dimensionless.
+    Points are the run, coloured by the direction of P_z; lines are the theory, shifted so that the rising
+    zones coincide. The largest difference between them is stated. Everything is dimensionless.
     """
     theta = np.asarray(dataset["theta"].values, dtype=np.float64)
     measured = [field[1].mean(axis=1) for field in frame(dataset, -1)]
@@ -68,7 +70,7 @@ def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset) -> None:
             ax.plot(angle, curves[k], color=INK, linewidth=0.8, zorder=3)
             note = f"largest difference {_power_of_ten(np.abs(measured[k] - lines[k]).max())}"
         top = 1.1 * max(float(np.abs(measured[k]).max()), 1e-3)
-        # The note stands above the curve, inside the axes.
+        # The note is above the curve, inside the axes.
         ax.set(xlim=(0, 2 * np.pi), ylim=(-top, 1.4 * top), ylabel=f"$\\langle {name}\\rangle_z$")
         ax.text(0.5, 0.98, note, transform=ax.transAxes, ha="center", va="top", fontsize=8.5)
         ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])

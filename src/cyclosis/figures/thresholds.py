@@ -1,4 +1,4 @@
-"""Thresholds of theory over the axes of a sweep, and whatever curves the caller adds."""
+"""Thresholds of theory over the axes of a sweep, and any curves that the caller adds."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import numpy.typing as npt
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.parameters import Parameters
-from ..stability.boundaries import ALONG, quick_limits, rotating_limit, tilt_limit
-from ..stability.dispersion import stripes_threshold, tilt_threshold
+from ..stability.existence.boundaries import ALONG, quick_limits, rotating_limit, tilt_limit
+from ..stability.uniform.dispersion import stripes_threshold, tilt_threshold
 from .swept import Axis
 
 POINTS = 600
@@ -27,10 +27,10 @@ STABLE = "C stable beyond"
 TILTS = "C tilts before"
 ROTATES = "O rotates beyond"
 PLACES = 40
-"""Points along a curve that takes Newton's method."""
+"""Points along a curve that needs Newton's method."""
 
 
-class Curve(NamedTuple):
+class BorderCurve(NamedTuple):
     """A named curve: x (n,) and y (n,) in the units of the axes; NaN where it is broken."""
 
     name: str
@@ -38,18 +38,18 @@ class Curve(NamedTuple):
     y: Array
 
 
-def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[Curve]:
+def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[BorderCurve]:
     """Return the thresholds over one or two swept axes, or none where they do not apply.
 
     * α_p = d_r, beyond which disorder is unstable, where either is an axis.
     * the α_u beyond which the unidirectional state tilts or breaks into stripes (`tilt_threshold`,
-      `stripes_threshold`), where α_u is an axis: against whatever the other axis is.
+      `stripes_threshold`), where α_u is an axis, for any other axis.
     * the α_u beyond which two stripes exist (a fold, below α_p = d_r + d_s), and beyond which they are stable
       against unequal widths, likewise.
-    * the κ before which stripes tilt, and beyond which circumferential order gives way to tilted stripes that
+    * the κ below which stripes tilt, and above which circumferential order becomes tilted stripes that
       rotate, where κ is one of two axes.
 
-    Over one axis a threshold is the upright line of its value, from y = 0 to 100 (percent).
+    Over one axis a threshold is a vertical line at its value, from y = 0 to 100 (percent).
     """
     if params is None:
         return []
@@ -61,8 +61,8 @@ def thresholds(params: Parameters | None, axes: Sequence[Axis]) -> list[Curve]:
     return [curve for curve in found if curve is not None and np.isfinite(curve.x + curve.y).any()]
 
 
-def given(curves: Iterable[Any]) -> list[Curve]:
-    """Return the caller's curves (name, x, y) checked. Raises `InputError` for anything else."""
+def given(curves: Iterable[Any]) -> list[BorderCurve]:
+    """Return the caller's curves (name, x, y), checked. Raises `InputError` for anything else."""
     found = []
     for curve in curves:
         try:
@@ -72,24 +72,24 @@ def given(curves: Iterable[Any]) -> list[Curve]:
             raise InputError("a curve", curve, "(name, x, y)", "give a name and two lists") from error
         if pair[0].ndim != 1 or pair[0].shape != pair[1].shape or not isinstance(name, str):
             raise InputError("a curve", name, "(name, x, y) with as many x as y", "give a name and two lists")
-        found.append(Curve(name, *pair))
+        found.append(BorderCurve(name, *pair))
     return found
 
 
-def _disorder(params: Parameters, axes: Sequence[Axis]) -> Curve | None:
+def _disorder(params: Parameters, axes: Sequence[Axis]) -> BorderCurve | None:
     names = [axis.name for axis in axes]
     if "alpha_p" not in names and "d_r" not in names:
         return None
     if "alpha_p" in names and "d_r" in names:
         line = axes[0].between(POINTS)
-        return Curve(DISORDER, line, line)
+        return BorderCurve(DISORDER, line, line)
     name, value = ("alpha_p", params.d_r) if "alpha_p" in names else ("d_r", float(params.alpha_p))
     return _crossing(DISORDER, axes, names.index(name), np.full(POINTS, value))
 
 
 def _alignment(
     name: str, threshold: Callable[[Parameters], npt.NDArray[Any]], params: Parameters, axes: Sequence[Axis]
-) -> Curve | None:
+) -> BorderCurve | None:
     names = [axis.name for axis in axes]
     if "alpha_u" not in names:
         return None
@@ -107,7 +107,7 @@ def _alignment(
     return _crossing(name, axes, place, values)
 
 
-def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
+def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[BorderCurve]:
     """Return where two stripes exist and where they are stable, if α_u is an axis."""
     names = [axis.name for axis in axes]
     if "alpha_u" not in names:
@@ -115,7 +115,7 @@ def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
     place = names.index("alpha_u")
     other = names[1 - place] if len(axes) == 2 else None
     low = float(axes[place].edges[0])
-    if other in ("force_exponent", "repulsion_angle"):  # stripes depend on them, no formula here follows
+    if other in ("force_exponent", "repulsion_angle"):  # stripes depend on them, the curves here do not
         return []
     if other not in ALONG:
         pair = _limits(params, None, 0.0)
@@ -134,15 +134,15 @@ def _stripes(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
     for k, value in enumerate(at):
         pairs[k] = _limits(params, other, float(value))
         if other == "alpha_p" and value > params.d_r + params.d_s and pairs[k, 1] < low:
-            break  # from here on stripes are stable wherever the axis reaches
+            break  # beyond, stripes are stable on the whole axis
     pairs[pairs[:, 0] == 0, 0] = np.nan
     return [
-        Curve(name, *((at, values) if place == 1 else (values, at)))
+        BorderCurve(name, *((at, values) if place == 1 else (values, at)))
         for name, values in zip((STABLE, EXISTS), pairs.T[::-1], strict=True)
     ]
 
 
-def _repulsion(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
+def _repulsion(params: Parameters, axes: Sequence[Axis]) -> list[BorderCurve]:
     """Return where stripes begin to tilt and where circumferential order ends, if κ is one of two axes."""
     names = [axis.name for axis in axes]
     if len(axes) != 2 or "kappa" not in names:
@@ -157,7 +157,7 @@ def _repulsion(params: Parameters, axes: Sequence[Axis]) -> list[Curve]:
         for k, value in enumerate(at):
             with suppress(InputError):
                 values[k] = limit(params.replace(**{other: float(value)}))
-        found.append(Curve(name, *((at, values) if place == 1 else (values, at))))
+        found.append(BorderCurve(name, *((at, values) if place == 1 else (values, at))))
     return found
 
 
@@ -177,7 +177,7 @@ def _remembered(numbers: tuple[tuple[str, Any], ...], name: str | None, value: f
         return np.nan, np.nan
 
 
-def _crossing(name: str, axes: Sequence[Axis], place: int, values: Array) -> Curve:
+def _crossing(name: str, axes: Sequence[Axis], place: int, values: Array) -> BorderCurve:
     """Return the curve on which axis `place` takes `values` (POINTS,) along the other, or from 0 to 100."""
     along = axes[1 - place].between(POINTS) if len(axes) == 2 else np.linspace(0.0, 100.0, POINTS)
-    return Curve(name, along, values) if place == 1 else Curve(name, values, along)
+    return BorderCurve(name, along, values) if place == 1 else BorderCurve(name, values, along)

@@ -1,8 +1,8 @@
-"""Lines that stream: short streamlines whose heads the flow carries, from one frame of a movie to the next.
+"""Lines that stream: short streamlines whose heads move with the flow from one frame of a movie to the next.
 
-Drawing each frame's streamlines afresh would make them jump. Here every line lives on: its head moves with
-the flow, and the line is what lies upstream of it. Lines that come too close to older ones fade out, new ones
-fade in where there is room, so that the surface stays evenly filled.
+Drawing new streamlines for each frame would make them jump. Here every line persists: its head moves with
+the flow, and the line is the part of the streamline upstream of it. Lines that come too close to older ones
+fade out, new ones fade in where there is room, so that the surface stays evenly filled.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .ribbons import NEGLIGIBLE, Ribbon, stream_ribbon
 from .streamlines import STEP, Streamline, Taken, even_points, traced, velocity_of
 
 SEPARATION = 0.11
-"""Lines are born at least this far from others, in radii."""
+"""Lines begin at least this far from others, in radii."""
 CLOSEST = 0.04
 """Lines that come this close to older ones are cut there or fade."""
 LENGTH = 0.9
@@ -23,7 +23,7 @@ LENGTH = 0.9
 SHORTEST = 0.35
 """Lines cut to less than this fraction of that length fade."""
 CANDIDATES = 60
-"""Places tried for new lines at every frame."""
+"""Places tried for new lines in every frame."""
 GROWTH = 2
 """Points by which a line may become longer or shorter from one frame to the next."""
 CURL = 1.5 * np.pi
@@ -31,7 +31,7 @@ CURL = 1.5 * np.pi
 
 
 class Tracers:
-    """The lines of a movie; `advance` moves them on by one frame.
+    """The lines of a movie; `advance` moves them by one frame.
 
     `fade` is the number of frames in which a line appears or disappears.
     """
@@ -50,8 +50,8 @@ class Tracers:
     def advance(self, flow: Array, peak_speed: float, distance: float) -> list[Ribbon]:
         """Return the lines of the next frame as ribbons, with their strengths.
 
-        `flow` (2, n_theta, n_z) carries the heads by `distance`, in radii, where it is as fast as
-        `peak_speed`, and less where it is slower.
+        `flow` (2, n_theta, n_z) moves the heads by `distance`, in radii, where its speed is `peak_speed`,
+        and by less where it is slower.
         """
         if peak_speed <= 0:
             return []
@@ -61,7 +61,7 @@ class Tracers:
         self.heads = np.concatenate([moved, self._candidates()], axis=1)
         paths = traced(velocity, self.heads, round(LENGTH / STEP), -STEP)
         speeds = np.hypot(*velocity(paths))
-        self._live_on(paths, _open(paths, speeds > NEGLIGIBLE * peak_speed))
+        self._update(paths, _open(paths, speeds > NEGLIGIBLE * peak_speed))
         kept = np.flatnonzero((self.shown > 0) & (self.points > 1))
         self.heads, self.points = self.heads[:, kept], self.points[kept]
         self.shown, self.dying = self.shown[kept], self.dying[kept]
@@ -80,11 +80,11 @@ class Tracers:
         self.tried = (self.tried + count) % total
         return self.seeds[:, chosen]
 
-    def _live_on(self, paths: Array, free: npt.NDArray[np.int64]) -> None:
-        """Decide what becomes of all paths (2, points, n), which run upstream from their heads.
+    def _update(self, paths: Array, free: npt.NDArray[np.int64]) -> None:
+        """Update all lines from their paths (2, points, n), which run upstream from the heads.
 
         The first are those of the present lines, the others of candidates; `free` (n,) is how many of
-        their points the flow allows. Lines grow, shrink, fade and die smoothly.
+        their points the flow allows. Lines grow, shrink, fade and disappear smoothly.
         """
         self.crowded.clear()
         self.roomy.clear()
@@ -108,7 +108,7 @@ class Tracers:
             self.shown[k] = min(1.0, self.shown[k] + (-self.step if self.dying[k] else self.step))
             if not self.dying[k]:
                 take(k)
-        # Most candidates find no room among the present lines; the others may still be in each other's way.
+        # Most candidates have no room among the present lines; the others may still overlap.
         roomy = (free >= least) & ~self.roomy.taken[room].any(axis=0)
         for k in (living + np.flatnonzero(roomy[living:])).tolist():
             if not self.roomy.taken[room[:, k]].any():

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..model.doors import door
 from ..model.grid import CylinderGrid, interpolate
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, ZONE, polarity_rgb
@@ -17,6 +18,7 @@ SCALE = 1.35
 _EDGE = 0.2
 
 
+@door
 def draw_map(
     ax: Any,
     grid: CylinderGrid,
@@ -28,7 +30,7 @@ def draw_map(
 ) -> None:
     """Draw a state P and its flow u, both (2, n_theta, n_z), as a map into matplotlib axes.
 
-    theta runs from 0 to 2π to the right and z from 0 to the grid's length upwards, on one scale.
+    theta increases from 0 to 2π to the right and z from 0 to the grid's length upwards, on one scale.
     Colours, lines and `peak_speed` are as in `cyclosis.figures.cylinder.draw`. Everything is
     dimensionless. Raises `InputError` for fields that do not match the grid.
 
@@ -47,12 +49,14 @@ def draw_map(
     mark_edges(ax, grid)
 
 
+@door
 def mark_edges(ax: Any, grid: CylinderGrid) -> None:
     """Put ticks at the edges of a map."""
     ax.set_xticks([0, 2 * np.pi], ["0", "2π"])
     ax.set_yticks([0, grid.length], ["0", f"{grid.length:g}"])
 
 
+@door
 def paint_map(
     ax: Any,
     grid: CylinderGrid,
@@ -64,13 +68,13 @@ def paint_map(
     ribbons: Sequence[Ribbon] | None = None,
     scale: float = SCALE,
 ) -> None:
-    """Paint a map as `draw_map` does, and give the axes its limits, but leave their ticks alone.
+    """Paint a map as `draw_map` does and set the limits of the axes, but not their ticks.
 
     `ribbons` are as in `cyclosis.figures.cylinder.draw`; `scale` multiplies the widths of lines, and the
-    distances between those found here.
+    distances between new ones.
     """
     state, flow = grid.check_state(P), grid.check_state(u, "the flow")
-    # Lines are looked for a little beyond the edges and clipped there, so that they run on seamlessly.
+    # Lines are sought a little beyond the edges and clipped there, so that they continue seamlessly.
     window = (-_EDGE, 2 * np.pi + _EDGE)
     fine = interpolate(state[1], (4 * grid.n_theta, 4 * grid.n_z))
     d_theta, d_z = 2 * np.pi / fine.shape[0], grid.length / fine.shape[1]

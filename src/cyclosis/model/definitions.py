@@ -6,122 +6,10 @@ these definitions. Nothing heavy is imported here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any, Literal
+from typing import Any
 
-from . import errors
 from .equation import TERM_NAMES as TERM_NAMES
-
-Kind = Literal["number", "whole", "flag", "choice", "text", "names", "numbers", "shape"]
-
-
-@dataclass(frozen=True)
-class Definition:
-    """One setting: what it is called, what it means and what it may be.
-
-    `optional` settings may also be None, `needed` ones have no default; `field` marks a parameter that may
-    be given as an array of shape (n_theta, n_z). `usual` is the range of a slider: where the paper's cell
-    lives, and around.
-    """
-
-    name: str
-    symbol: str
-    meaning: str
-    default: Any
-    kind: Kind = "number"
-    minimum: float = 0.0
-    maximum: float = 1e3
-    allowed: tuple[str, ...] = ()
-    optional: bool = False
-    field: bool = False
-    needed: bool = False
-    usual: tuple[float, float] | None = None
-
-    @property
-    def remedy(self) -> str:
-        """What to do about a refused value."""
-        if self.needed:
-            return "give one, for there is no default"
-        if self.default is None:
-            return "leave it out for the default"
-        return f"the default is {str(self.default).lower() if self.kind == 'flag' else self.default}"
-
-    @property
-    def rule(self) -> str:
-        """The allowed values in words."""
-        if self.kind == "choice":
-            return "one of " + ", ".join(self.allowed)
-        if self.kind == "flag":
-            return "true or false"
-        if self.kind in ("number", "whole"):
-            return errors.span(self.minimum, self.maximum)
-        return {
-            "text": "a text",
-            "names": "a list of names",
-            "numbers": "a list of numbers in increasing order",
-            "shape": "two whole numbers [n_theta, n_z]",
-        }[self.kind]
-
-    def check(self, value: Any) -> Any:
-        """Return `value` in its proper type, or raise `InputError` with one sentence."""
-        if value is None and self.optional:
-            return None
-        if self.kind == "number":
-            return errors.number(self.name, value, self.minimum, self.maximum, self.remedy)
-        if self.kind == "whole":
-            return errors.whole(self.name, value, int(self.minimum), int(self.maximum), self.remedy)
-        if self.kind == "flag":
-            return errors.flag(self.name, value)
-        if self.kind == "choice":
-            return errors.choice(self.name, value, self.allowed)
-        if self.kind == "text":
-            if not isinstance(value, str) or not value or "\0" in value:
-                raise errors.InputError(self.name, value, self.rule, self.remedy)
-            return value
-        return self._check_list(value)
-
-    def parse(self, text: str) -> Any:
-        """Return the value that a text on the command line stands for, checked."""
-        if self.kind in ("names", "numbers", "shape"):
-            parts = [part.strip() for part in text.split(",")]
-            return self.check(parts if self.kind == "names" else [_plain(part) for part in parts])
-        if self.kind in ("text", "choice"):
-            return self.check(text)
-        return self.check(_plain(text))
-
-    def _check_list(self, value: Any) -> tuple[Any, ...]:
-        listed = isinstance(value, list | tuple)
-        if self.kind == "names":
-            if not listed or not value or not all(isinstance(item, str) for item in value):
-                raise errors.InputError(self.name, value, "a list of at least one name", self.remedy)
-            return tuple(errors.choice(self.name, item, self.allowed or (item,)) for item in value)
-        if self.kind == "shape":
-            if not listed or len(value) != 2:
-                raise errors.InputError(self.name, value, self.rule, self.remedy)
-            low, high = int(self.minimum), int(self.maximum)
-            return tuple(errors.whole(self.name, item, low, high, self.remedy) for item in value)
-        if not listed or not value:
-            raise errors.InputError(self.name, value, self.rule, self.remedy)
-        times = tuple(
-            errors.number(self.name, item, self.minimum, self.maximum, self.remedy) for item in value
-        )
-        if any(b <= a for a, b in pairwise(times)):
-            raise errors.InputError(self.name, value, self.rule, "sort them and leave out repeats")
-        return times
-
-
-def _plain(text: str) -> Any:
-    """Return a text as bool, int or float where it is one, else as it is."""
-    if text.lower() in ("true", "false"):
-        return text.lower() == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
-
+from .setting import Definition as Definition
 
 PARAMETERS = (
     Definition("alpha_p", "α_p", "spontaneous alignment (bundling) rate", 1.0, field=True, usual=(0.0, 1.0)),
@@ -171,7 +59,16 @@ PARAMETERS = (
 
 GRID = (
     Definition("n_theta", "n_θ", "grid points around the axis", 64, "whole", 8, 8192),
-    Definition("n_z", "n_z", "grid points along the axis", 64, "whole", 8, 8192),
+    Definition(
+        "n_z",
+        "n_z",
+        "grid points along the axis; 1 for states that vary around it only",
+        64,
+        "whole",
+        8,
+        8192,
+        also=1,
+    ),
     Definition("length", "ℓ", "axial period in units of the radius", 5.0, "number", 1e-2, 1e4),
 )
 
@@ -188,7 +85,7 @@ INITIAL = (
     Definition(
         "filaments_per_square",
         "N",
-        "filaments per grid square, noise variance 1/(2N); in ordered states left out for no noise",
+        "filaments per grid square, noise variance 1/(2N); omit it in ordered states for no noise",
         1000.0,
         "number",
         1e-3,
@@ -203,6 +100,7 @@ INITIAL = (
         8,
         8192,
         optional=True,
+        also=1,
     ),
     Definition("magnitude", "|P|", "magnitude of an ordered initial state", 0.9, "number", 0.0, 1.0),
     Definition("stripes", "-", "number of stripes of an initial state of stripes", 2, "whole", 2, 512),
@@ -216,10 +114,41 @@ INITIAL = (
         -(10**9),
         10**9,
     ),
+    Definition(
+        "stretch",
+        "-",
+        "whether the state in that file is stretched along z where its cell has another length",
+        False,
+        "flag",
+    ),
+    Definition(
+        "bump",
+        "-",
+        "height of a bump of the concentration, relative to its surroundings; a gap if negative",
+        None,
+        "number",
+        -0.999,
+        100.0,
+        optional=True,
+    ),
+    Definition(
+        "bump_theta", "-", "angle of its centre, in radians", 3.141592653589793, "number", -10.0, 10.0
+    ),
+    Definition(
+        "bump_z",
+        "-",
+        "position of its centre along the axis, in radii (default: half way)",
+        None,
+        "number",
+        -1e4,
+        1e4,
+        optional=True,
+    ),
+    Definition("bump_width", "-", "standard deviation of the bump, in radii", 0.5, "number", 0.01, 100.0),
 )
 
 STEPPERS = ("adaptive", "etdrk4", "rk4")
-"""The time steppers, that with adaptive steps first; `dynamics.steppers.METHODS` says how each steps."""
+"""The time steppers, the adaptive one first; `dynamics.steppers.METHODS` defines each."""
 
 RUN = (
     Definition("t_end", "t", "time at which the run ends", 200.0, "number", 0.0, 1e9),
@@ -278,7 +207,7 @@ RUN = (
     Definition(
         "steady_rate",
         "-",
-        "stop as steady once |dP/dt| / |P| falls below this",
+        "stop as steady once |dP/dt| / |P| has stayed below this for a time of 10 and has not grown",
         None,
         "number",
         1e-14,
@@ -287,7 +216,60 @@ RUN = (
     ),
 )
 
-TABLES = {"parameters": PARAMETERS, "grid": GRID, "initial": INITIAL, "run": RUN}
+MODEL = (
+    Definition("kind", "-", "model", "polar", "choice", allowed=("polar", "kinetic", "coupled")),
+    Definition(
+        "modes", "N", "angular modes of the kinetic model (default: 48)", None, "whole", 2, 512, optional=True
+    ),
+    Definition(
+        "torques",
+        "-",
+        "how bundling and flow alignment turn filaments in the kinetic model (default: literal)",
+        None,
+        "choice",
+        allowed=("literal", "rate"),
+        optional=True,
+    ),
+    Definition(
+        "closure",
+        "-",
+        "what stands for the higher angular moments in the polar model",
+        "paper",
+        "choice",
+        allowed=("paper", "von_mises", "wrapped_normal", "weak"),
+    ),
+    Definition(
+        "concentration",
+        "-",
+        "whether the polar model has a concentration of filaments, carried by the flow and spread by d_s",
+        False,
+        "flag",
+    ),
+    Definition(
+        "force_density",
+        "-",
+        "how the force depends on the concentration: linear is c |P|^n P, power is |cP|^n cP",
+        "linear",
+        "choice",
+        allowed=("linear", "power"),
+    ),
+    Definition(
+        "vacuole_drag",
+        "β",
+        "drag of the vacuole in the coupled model, in units of the wall friction (default: 0.007)",
+        None,
+        minimum=0.0,
+        maximum=100.0,
+        optional=True,
+    ),
+)
+
+TABLES = {"model": MODEL, "parameters": PARAMETERS, "grid": GRID, "initial": INITIAL, "run": RUN}
+
+
+def option(table: str, item: Definition) -> str:
+    """Return the option of the command line that sets a value."""
+    return "--model" if (table, item.name) == ("model", "kind") else f"--{item.name.replace('_', '-')}"
 
 
 def definition(table: str, name: str) -> Definition:

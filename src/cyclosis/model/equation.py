@@ -30,7 +30,7 @@ EQUATION = (
         "shear",
         "(I - PP)·ε (P·∇)u",
         "torque",
-        "Where fluid slides past fluid it turns the filaments between, as it turns straws in a brook.",
+        "Where layers of fluid slide past each other, they turn the filaments between them.",
     ),
     Entry(
         "bundling",
@@ -42,13 +42,13 @@ EQUATION = (
         "flow_alignment",
         "(I - PP)·α_u u",
         "torque",
-        "Filaments turn to point the way the fluid flows, and their motors then drive it on.",
+        "Filaments turn to point along the flow, and their motors then drive the flow further.",
     ),
     Entry(
         "repulsion",
         "-(I - PP)·κ (P·d) d",
         "torque",
-        "Filaments avoid one direction, around the cell, and so come to lie along it.",
+        "Filaments avoid one direction, around the cell, and so align along the cell.",
     ),
     Entry(
         "diffusion",
@@ -60,7 +60,7 @@ EQUATION = (
         "rotational_diffusion",
         "-d_r P",
         "linear",
-        "Filaments turn at random, which undoes order always and everywhere.",
+        "Filaments turn at random, which reduces order everywhere.",
     ),
 )
 

@@ -3,8 +3,10 @@
     dP/dt = - ε (u·∇)P + d⁽ˢ⁾ ∇²P - d⁽ʳ⁾ P
             + (I - PP)·[ε (P·∇)u + α_p P + α_u u - κ (P·d) d]
 
-(Woodhouse & Goldstein 2013; (∇u)·P is read as (P·∇)u). Packed fields p = P_theta + i P_z are used
-throughout, see `spectral`. Dynamics, budget and linearisation all read the tuple `TERMS`.
+(Woodhouse & Goldstein 2013; (∇u)·P is read as (P·∇)u). This is the paper's closure of the equation for the
+angles of filaments; with another one, see `closures`, the torques in brackets turn P differently. Packed
+fields p = P_theta + i P_z are used throughout, see `spectral`. Dynamics, budget and linearisation all read
+the tuple `TERMS`.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from .closures import PAPER, turned
 from .equation import EQUATION, TermKind
 from .errors import InputError
 from .moment import Moment
@@ -26,8 +29,8 @@ from .spectral import dot, pack, unpack
 class Term:
     """One term of dP/dt.
 
-    A `torque` acts through the projector (I - PP), a `rate` directly, a `linear` term is a real
-    multiplier in Fourier space; these take a `Moment`. A `custom` term is the user's
+    A `torque` acts through the projector (I - PP), or as another closure says, a `rate` directly, a `linear`
+    term is a real multiplier in Fourier space; these take a `Moment`. A `custom` term is the user's
     `function(t, P, u, params, grid)` with P, u and its result of shape (2, n_theta, n_z), traceable by
     JAX; `params` holds the values of `Parameters` by name and `grid` the points on which P is given.
 
@@ -87,13 +90,24 @@ def rotational_diffusion(now: Moment) -> jax.Array:
     return -now.values.d_r * jnp.ones_like(now.space.k2)
 
 
-TERMS = tuple(Term(item.name, item.formula, item.kind, globals()[item.name]) for item in EQUATION)
+FUNCTIONS: dict[str, Callable[[Moment], jax.Array]] = {
+    "advection": advection,
+    "shear": shear,
+    "bundling": bundling,
+    "flow_alignment": flow_alignment,
+    "repulsion": repulsion,
+    "diffusion": diffusion,
+    "rotational_diffusion": rotational_diffusion,
+}
+"""The function of each term of `EQUATION`."""
+
+TERMS = tuple(Term(item.name, item.formula, item.kind, FUNCTIONS[item.name]) for item in EQUATION)
 
 TermLike = str | Term | Callable[..., Any]
 
 
 def select_terms(terms: Iterable[TermLike] | None = None) -> tuple[Term, ...]:
-    """Return the terms that act: all by default, else those named, given, or written by the user.
+    """Return the terms that act: all by default, otherwise those named or given, or custom functions.
 
     Raises `InputError` for unknown names, repeats and anything that is not callable.
     """
@@ -121,7 +135,9 @@ def select_terms(terms: Iterable[TermLike] | None = None) -> tuple[Term, ...]:
         if names.count(term.name) > 1:
             raise InputError("terms", term.name, "a list without repeats", "name each term once")
         if term != known.get(term.name, term):
-            raise InputError("terms", term.name, "named unlike the model's own terms", "rename your function")
+            raise InputError(
+                "terms", term.name, "named differently from the terms of the model", "rename your function"
+            )
     return tuple(chosen)
 
 
@@ -131,7 +147,7 @@ def project(p: jax.Array, torque: jax.Array) -> jax.Array:
 
 
 def rates(now: Moment, terms: tuple[Term, ...]) -> dict[str, jax.Array]:
-    """Return what each term alone adds to dP/dt, packed and in physical space."""
+    """Return the contribution of each term to dP/dt, packed and in physical space."""
     return {term.name: _rate(now, term) for term in terms}
 
 
@@ -141,8 +157,28 @@ def _rate(now: Moment, term: Term) -> jax.Array:
     if term.kind == "custom":
         P, u = unpack(now.p), unpack(now.u)
         return pack(term.function(now.time, P, u, now.values, now.grid)).astype(now.p.dtype)
-    value = term.function(now)
-    return project(now.p, value) if term.kind == "torque" else value
+    if term.kind == "torque":
+        return _turned(now, [term])
+    return term.function(now)
+
+
+def _turned(now: Moment, torques: list[Term]) -> jax.Array:
+    """Return what torques together add to dP/dt, packed.
+
+    In other closures than the paper's shear and repulsion turn each filament by its own direction; all other
+    torques turn the filaments of a place towards one vector.
+    """
+    if now.closure == PAPER:
+        return project(now.p, sum((t.function(now) for t in torques), jnp.zeros_like(now.p)))
+    polar, nematic, spin, values = jnp.zeros_like(now.p), jnp.zeros_like(now.p), 0.0, now.values
+    for term in torques:
+        if term.name == "shear":
+            nematic, spin = nematic + values.epsilon * now.strain, 0.5 * values.epsilon * now.vorticity
+        elif term.name == "repulsion":
+            nematic = nematic - 0.5 * values.kappa_mirror
+        else:
+            polar = polar + term.function(now)
+    return turned(now.closure, now.p, polar, nematic, spin)
 
 
 def linear_symbol(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
@@ -159,13 +195,13 @@ def nonlinear(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
 
         (P·∇)u - (u·∇)P = (d_z s, -d_theta s) - u (∇·P),      P·(P·∇)u = P·E·P,
 
-    which needs three transforms where the two terms apart need eight.
+    which needs three transforms; the two separate terms need eight. In closures other than the paper's the
+    two stay separate, because the strain acts differently.
     """
     names = {term.name for term in terms}
-    fused = {"advection", "shear"} <= names
+    fused = {"advection", "shear"} <= names and now.closure == PAPER
     separate = [t for t in terms if t.kind != "linear" and not (fused and t.name in ("advection", "shear"))]
-    torque = sum((t.function(now) for t in separate if t.kind == "torque"), jnp.zeros_like(now.p))
-    rate = project(now.p, torque)
+    rate = _turned(now, [t for t in separate if t.kind == "torque"])
     for term in separate:
         if term.kind != "torque":
             rate = rate + _rate(now, term)

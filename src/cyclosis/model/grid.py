@@ -9,10 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from ..display.notebook import cylinder, tree
+from .arrays import COMPONENTS, FIELD_DIMS, STATE_DIMS, numbers
 from .definitions import GRID
-from .errors import InputError
+from .doors import door
+from .errors import InputError, whole
+from .wording import beside
 
 Array = npt.NDArray[np.float64]
+
+ROUNDING = 16 * float(np.finfo(np.float64).eps)
+"""A Nyquist mode below this share of the largest value counts as rounding."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +90,9 @@ class CylinderGrid:
     def check_state(self, state: Any, name: str = "state", bounded: bool = False) -> Array:
         """Return `state` as a float64 array (2, n_theta, n_z), or raise `InputError`.
 
-        With `bounded`, a state with |P| > 1 anywhere is refused: P is the mean of unit vectors.
+        With `bounded`, a state with |P| > 1 anywhere is refused: P is the mean of unit vectors. An array of
+        xarray may have its dimensions component, theta and z in any order; its coordinates must be those of
+        the grid. Masked entries, units, and values that JAX traces are refused.
 
         Example:
             >>> import numpy as np
@@ -96,32 +104,32 @@ class CylinderGrid:
         """
         expected = (2, *self.shape)
         rule = f"an array of real numbers of shape {expected} (component, theta, z)"
-        try:
-            given = np.asarray(state)
-        except (TypeError, ValueError) as error:
-            raise InputError(name, state, rule, "give one array with all components") from error
-        if given.dtype.kind not in "iuf" or given.shape != expected:
-            raise InputError(name, given, rule, "make state and grid match")
-        array = np.array(given, dtype=np.float64)
+        remedy = "make state and grid match, and give one array with both components"
+        coordinates: dict[str, Any] = {"component": COMPONENTS, "theta": self.theta, "z": self.z}
+        array = numbers(name, state, rule, remedy, STATE_DIMS, coordinates)
+        if array.shape != expected:
+            raise InputError(name, array, rule, remedy)
         if not np.all(np.isfinite(array)):
             raise InputError(name, array, "finite everywhere", "remove its NaN or infinite entries")
         largest = float(np.sqrt(np.max(np.sum(array**2, axis=0))))
         if bounded and largest > 1 + 1e-12:
             raise InputError(
                 f"max |P| of {name}",
-                float(f"{largest:.6g}") if largest > 1.00001 else largest,
+                float(beside(largest, 1.0)),
                 "at most 1, because P is a mean of unit vectors",
                 "scale the state down, or raise filaments_per_square if it is noise",
             )
         return array
 
 
+@door
 def interpolate(values: npt.ArrayLike, shape: tuple[int, int]) -> Array:
     """Return periodic fields (..., n_theta, n_z) on another grid of the same cylinder.
 
     Trigonometric interpolation: modes that both grids resolve are kept exactly, all others (among them
     the Nyquist modes of either grid, whose sign is ambiguous) are dropped. The result has `shape` as
-    its last two dimensions. Onto the same shape it is an exact copy. Values keep their unit.
+    its last two dimensions. Onto the same shape it is an exact copy. Values keep their unit. Raises
+    `InputError` for invalid fields and shapes.
 
     Example:
         >>> import numpy as np
@@ -131,14 +139,75 @@ def interpolate(values: npt.ArrayLike, shape: tuple[int, int]) -> Array:
         >>> bool(np.allclose(cy.interpolate(a, fine.shape), b))
         True
     """
-    field = np.asarray(values, dtype=np.float64)
-    if field.shape[-2:] == tuple(shape):
-        return field.copy()
+    rule = "an array of real numbers (..., n_theta, n_z)"
+    field = numbers("values", values, rule, "give a field on a grid", (..., *FIELD_DIMS))
+    if field.ndim < 2 or 0 in field.shape:
+        raise InputError("values", field, rule, "give a field on a grid")
+    if not isinstance(shape, list | tuple) or len(shape) != 2:
+        raise InputError("shape", shape, "two whole numbers (n_theta, n_z)", "give that of a grid")
+    shape = (
+        whole("shape", shape[0], 1, 2**20, "give that of a grid"),
+        whole("shape", shape[1], 1, 2**20, "give that of a grid"),
+    )
+    if field.shape[-2:] == shape:
+        return field
     spectrum = np.fft.fft2(field, norm="forward")
     target = np.zeros(field.shape[:-2] + tuple(shape), dtype=complex)
     rows, cols = (_shared_modes(a, b) for a, b in zip(field.shape[-2:], shape, strict=True))
     target[..., rows[:, None], cols] = spectrum[..., rows[:, None], cols]
     return np.fft.ifft2(target, norm="forward").real
+
+
+@door
+def resolved(field: npt.NDArray[Any]) -> Array:
+    """Return fields (..., n_theta, n_z) without their Nyquist modes, as the model represents a state.
+
+    On an even number of points the highest mode is sampled only at its crests. Its phase and the sign of its
+    wavenumber are lost, so that it has no derivative. The right-hand side drops it, and so does
+    everything that is reported about a state. Fields without it are returned bit for bit.
+
+    Example:
+        >>> import numpy as np
+        >>> from cyclosis.model.grid import resolved
+        >>> field = np.ones((8, 8)) + 0.1 * (-1.0) ** np.arange(8)[:, None]
+        >>> bool(np.allclose(resolved(field), 1.0))
+        True
+    """
+    out = np.asarray(field, dtype=np.float64)
+    rounding = ROUNDING * float(np.max(np.abs(out), initial=0.0))
+    for axis in (-2, -1):
+        n = out.shape[axis]
+        if n % 2 == 0:
+            crests = np.where(np.arange(n) % 2, -1.0, 1.0).reshape((n, 1) if axis == -2 else (1, n))
+            highest = np.mean(crests * out, axis=axis, keepdims=True)
+            if not np.max(np.abs(highest)) <= rounding:
+                out = out - crests * highest
+    return out
+
+
+def covered(name: str, points: npt.ArrayLike, period: float | None, where: str) -> float:
+    """Return the period of the points of a stored axis, which must be `period` if that is known.
+
+    `points` (n,) are the positions on the axis `name`, in radii or radians. A part of a cell is not periodic:
+    points that do not span the whole period in even steps are refused with `InputError`. `where` names
+    the file.
+    """
+    at = np.asarray(points, dtype=np.float64)
+    if period is not None and at.tolist() == [0.0]:  # the same everywhere along this axis
+        return period
+    step = (at[-1] - at[0]) / (at.size - 1) if at.size > 1 else np.nan
+    even = step > 0 and np.allclose(np.diff(at), step, rtol=0, atol=1e-6 * step * at.size)
+    if not even or not same_length(step * at.size, step * at.size if period is None else period):
+        shown = f"{at.size} points from {at[0]:.6g} to {at[-1]:.6g}" if at.size else "no points"
+        rule = f"in even steps {'around' if name == 'theta' else 'along'} the whole cell"
+        size = "" if period is None else f", of {period:.6g}"
+        raise InputError(f"{name} in {where}", shown, rule + size, "store the whole cell, not a part of it")
+    return float(step * at.size) if period is None else period
+
+
+def same_length(one: float, other: float) -> bool:
+    """Whether two lengths are equal to rounding, also of coordinates stored in single precision."""
+    return abs(one - other) <= 1e-6 * abs(other)
 
 
 def _multiples(step: float, n: int) -> Array:

@@ -26,22 +26,27 @@ class FlowOperator(NamedTuple):
     mirror: Any
 
 
-def flow_operator(space: Space, mu: Any, zero_theta_flux: Any) -> FlowOperator:
-    """Return the `FlowOperator` of a space; arithmetic alone, for NumPy and traced values alike."""
+def flow_operator(space: Space, mu: Any, zero_theta_flux: Any, drag: Any = None) -> FlowOperator:
+    """Return the `FlowOperator` of a space; plain arithmetic, for both NumPy and traced values.
+
+    `drag` (n_theta, n_z) is a further resistance β Z to each wave, beside 1 + μ k²; None means 0.
+    """
     zero = 1.0 * (space.k2 == 0)
     green = 0.5 * space.keep / (1.0 + mu * space.k2) * (1.0 - zero)
+    if drag is not None:
+        green = green / (1.0 + drag / (1.0 + mu * space.k2))
     unit = (space.m + 1j * space.q) ** 2 / (space.k2 + zero)
-    # At k = 0 the two halves add up to Re F: the mean of F_theta alone, if that is free.
+    # At k = 0 the two halves add up to Re F: only the mean of F_theta, if that is free.
     mean = 0.5 * (1.0 - zero_theta_flux) * zero
     return FlowOperator((green + mean).astype(space.k2.dtype), (mean - green * unit).astype(space.packed))
 
 
 def force(p: jax.Array, exponent: Any, cubic: bool) -> jax.Array:
-    """Return the packed force |P|ⁿ P; `cubic` says that n is 2 and spares the power."""
+    """Return the packed force |P|ⁿ P; `cubic` says that n is 2, which avoids the power."""
     square = dot(p, p)
     if cubic:
         return square * p
-    # A power of exactly zero would make 0⁰ or an infinite slope at P = 0 out of a finite force.
+    # At P = 0 the power itself would give 0⁰, or an infinite slope, although the force is finite.
     positive = jnp.where(square > 0, square, 1.0)
     return jnp.where(square > 0, positive ** (0.5 * exponent), jnp.where(exponent > 0, 0.0, 1.0)) * p
 

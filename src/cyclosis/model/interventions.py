@@ -1,4 +1,4 @@
-"""Every key of a protocol, defined once: the actions, and the shapes of the regions they may be limited to.
+"""Every key of a protocol, defined once: the actions, and the shapes of regions that limit them.
 
 Steps and regions check their values with these definitions, and the documentation's tables read them.
 Nothing heavy is imported here.
@@ -12,7 +12,7 @@ from .definitions import PARAMETERS, Definition, definition
 
 AT = Definition("at", "t", "time of the step", None, "number", 0.0, 1e9, needed=True)
 OVER = Definition(
-    "over", "-", "length of a linear ramp that begins then; 0 is a jump", 0.0, "number", 0.0, 1e9
+    "over", "-", "duration of a linear ramp from that time on; 0 is a jump", 0.0, "number", 0.0, 1e9
 )
 SHORTEST_RAMP = 1e-6
 """The shortest ramp that is not a jump."""
@@ -33,7 +33,7 @@ KEEP = Definition("keep", "-", "factor by which P is multiplied", 0.0, "number",
 SIZE = Definition(
     "size",
     "-",
-    "standard deviation of what is added to either component",
+    "standard deviation of the noise added to each component",
     None,
     "number",
     0.0,
@@ -43,7 +43,7 @@ SIZE = Definition(
 ANGLE = Definition(
     "angle",
     "-",
-    "direction of P from e_theta, in radians; π/2 is up the cell",
+    "direction of P from e_theta, in radians; π/2 is along e_z",
     None,
     "number",
     -10.0,
@@ -64,7 +64,7 @@ class Action:
 
 ACTIONS = {
     "change": Action(
-        "give parameters other values, at once or over a ramp; in a region only those that may be fields",
+        "set parameters to other values, at once or over a ramp; in a region only those that may be fields",
         (OVER, *PARAMETERS),
         True,
     ),
@@ -76,7 +76,7 @@ ACTIONS = {
     "depolymerise": Action("multiply P by a factor", (KEEP,), True),
     "align": Action("set P to one direction", (ANGLE, MAGNITUDE), True),
     "noise": Action("add noise to P", (SIZE, definition("initial", "noise_grid"), SEED), True),
-    "wash_out": Action("return all parameters to what they were before the protocol", (OVER,), False),
+    "wash_out": Action("return all parameters to their values before the protocol", (OVER,), False),
 }
 
 _ANGLE = Definition("theta", "θ", "angle", None, "number", -6.3, 6.3, needed=True)
@@ -86,7 +86,7 @@ _END = Definition("start", "-", "from here", None, "number", -6.3, 1e4, needed=T
 
 SHAPES: dict[str, tuple[str, tuple[Definition, ...]]] = {
     "box": (
-        "theta0 <= theta < theta1 and z0 <= z < z1; a first end beyond the second goes round",
+        "theta0 <= theta < theta1 and z0 <= z < z1; each wraps around if its first end is beyond the second",
         (
             replace(_ANGLE, name="theta0"),
             replace(_ANGLE, name="theta1"),
@@ -95,7 +95,7 @@ SHAPES: dict[str, tuple[str, tuple[Definition, ...]]] = {
         ),
     ),
     "disc": (
-        "all within a distance, measured on the surface",
+        "all points within a distance, measured on the surface",
         (
             _ANGLE,
             _PLACE,
@@ -103,7 +103,7 @@ SHAPES: dict[str, tuple[str, tuple[Definition, ...]]] = {
         ),
     ),
     "band": (
-        "start <= axis < stop; a first end beyond the second goes round",
+        "start <= axis < stop; it wraps around if start is beyond stop",
         (_AXIS, _END, replace(_END, name="stop", meaning="to here")),
     ),
     "strips": (
@@ -119,6 +119,6 @@ SHAPES: dict[str, tuple[str, tuple[Definition, ...]]] = {
         "the light pixels of an image laid over the unwrapped surface, theta to the right and z up",
         (Definition("path", "-", "file of the image", None, "text", needed=True),),
     ),
-    "union": ("all that lies in any of the regions listed under `parts`", ()),
-    "intersection": ("all that lies in every one of the regions listed under `parts`", ()),
+    "union": ("all points in any of the regions listed under `parts`", ()),
+    "intersection": ("all points in every one of the regions listed under `parts`", ()),
 }

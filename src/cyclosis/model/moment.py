@@ -2,38 +2,45 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from . import hydrodynamics
-from .definitions import PARAMETERS
+from .closures import PAPER
 from .grid import CylinderGrid
 from .hydrodynamics import FlowOperator
 from .spectral import Space
 
 
-def _fields() -> Any:
-    return namedtuple("Values", [*(item.name for item in PARAMETERS), "kappa_mirror"])
-
-
-_Fields: Any = _fields()
-
-
-class Values(_Fields):  # type: ignore[misc]
+class Values(NamedTuple):
     """The values of `Parameters` by name as arrays: numbers of shape (), fields on the product grid.
 
     `kappa_mirror` is κ e^{2iφ}, the packed form of the repulsion's second part.
     """
 
-    __slots__ = ()
+    alpha_p: Any
+    alpha_u: Any
+    epsilon: Any
+    d_s: Any
+    d_r: Any
+    kappa: Any
+    mu: Any
+    repulsion_angle: Any
+    zero_theta_flux: Any
+    force_exponent: Any
+    kappa_mirror: Any
 
 
 class Moment:
-    """The state `spectrum` at `time`, and lazily the packed fields p, u, force, strain, divergence."""
+    """The state `spectrum` at `time`, and lazily the packed fields p, u, force, strain, and further ones.
+
+    `closure` names what stands for the higher moments of the filaments' angles.
+    """
+
+    closure: str = PAPER
 
     def __init__(
         self,
@@ -44,9 +51,11 @@ class Moment:
         operator: FlowOperator,
         cubic: bool,
         grid: CylinderGrid | None = None,
+        closure: str = PAPER,
     ) -> None:
         self.time, self.spectrum, self.values = time, spectrum, values
         self.space, self.operator, self.cubic, self.grid = space, operator, cubic, grid
+        self.closure = closure
 
     @cached_property
     def p(self) -> jax.Array:
@@ -77,6 +86,11 @@ class Moment:
     def strain(self) -> jax.Array:
         """E_tt + i E_tz, with E the symmetric gradient of u and E_zz = -E_tt."""
         return self.space.to_physical(0.5j * self.space.K * self.flow_spectrum)
+
+    @cached_property
+    def vorticity(self) -> jax.Array:
+        """d_theta u_z - d_z u_theta."""
+        return self.space.to_physical(1j * jnp.conj(self.space.K) * self.flow_spectrum).imag
 
     @cached_property
     def divergence(self) -> jax.Array:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from ..display.notebook import alignments, tree
+from .arrays import CLOSE, FIELD_DIMS, by_names, dimensions, even, numbers
 from .definitions import PARAMETERS, defaults, definition
 from .errors import InputError
+
+if TYPE_CHECKING:
+    from .grid import CylinderGrid
 
 Coupling = float | npt.NDArray[np.float64]
 
@@ -51,11 +55,16 @@ class Parameters:
     repulsion_angle: Coupling = _DEFAULT["repulsion_angle"]
     zero_theta_flux: bool = _DEFAULT["zero_theta_flux"]
     force_exponent: float = _DEFAULT["force_exponent"]
+    _length: ClassVar[float | None]
+    """The length of the cell on which fields were given, if their coordinates contain it."""
 
     def __post_init__(self) -> None:
+        lengths: set[float] = set()
         for item in PARAMETERS:
             value = getattr(self, item.name)
-            if item.field and (isinstance(value, list | tuple) or np.ndim(value) > 0):
+            if item.field and dimensions(value) > 0:
+                z = even(by_names(value)).get("z")
+                lengths |= set() if z is None else {float(f"{z[1] * z.size:.6g}")}
                 value = _field(item.name, value)
             else:
                 value = item.check(value)
@@ -63,6 +72,9 @@ class Parameters:
         shapes = {value.shape for _, value in self.items() if isinstance(value, np.ndarray)}
         if len(shapes) > 1:
             raise InputError("fields", sorted(shapes), "given on one grid", "give all of them one shape")
+        if len(lengths) > 1:
+            raise InputError("z of the fields", sorted(lengths), "that of one cell", "give all on one grid")
+        object.__setattr__(self, "_length", next(iter(lengths), None))
 
     def items(self) -> Iterator[tuple[str, Any]]:
         """Iterate over (name, value) in the order of definition.
@@ -85,7 +97,10 @@ class Parameters:
         unknown = set(changes) - {item.name for item in fields(self)}
         if unknown:
             raise InputError("parameter", min(unknown), "one of " + ", ".join(_DEFAULT), "check the spelling")
-        return replace(self, **changes)
+        changed = replace(self, **changes)
+        if self._length is not None and changed._length is None and changed.shape is not None:
+            object.__setattr__(changed, "_length", self._length)
+        return changed
 
     @property
     def shape(self) -> tuple[int, ...] | None:
@@ -110,6 +125,26 @@ class Parameters:
                 f"that of the grid, {shape}",
                 "give the fields on the grid that is used",
             )
+
+    def require_grid(self, grid: CylinderGrid) -> None:
+        """Raise `InputError` unless the shape and coordinates of field-valued parameters match a grid.
+
+        Example:
+            >>> import numpy as np
+            >>> import xarray
+            >>> import cyclosis as cy
+            >>> short, long = cy.CylinderGrid(16, 16, length=5.0), cy.CylinderGrid(16, 16, length=10.0)
+            >>> ones = np.ones((16, 16))
+            >>> field = xarray.DataArray(ones, {"theta": short.theta, "z": short.z}, ("theta", "z"))
+            >>> cy.Parameters(kappa=field).require_grid(long)
+            Traceback (most recent call last):
+                ...
+            cyclosis.model.errors.InputError: length of the parameter fields = 5.0 cannot be used: ...
+        """
+        self.require_shape(grid.shape)
+        if self._length is not None and abs(self._length - grid.length) > CLOSE * grid.length / grid.n_z:
+            rule, remedy = f"that of the grid, {grid.length:g}", "give the fields on the grid that is used"
+            raise InputError("length of the parameter fields", self._length, rule, remedy)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Parameters):
@@ -141,13 +176,9 @@ def _text(value: Any) -> str:
 def _field(name: str, value: Any) -> npt.NDArray[np.float64]:
     item = definition("parameters", name)
     rule = f"a number or an array (n_theta, n_z) of numbers {item.rule}"
-    try:
-        given = np.asarray(value)
-        array = np.array(given, dtype=np.float64) if given.dtype.kind in "iuf" else None
-    except (TypeError, ValueError):
-        array = None
-    if array is None or array.ndim != 2 or not array.size:
-        raise InputError(name, value, rule, "give a two-dimensional array of real numbers")
+    array = numbers(name, value, rule, "give a two-dimensional array of real numbers", FIELD_DIMS)
+    if array.ndim != 2 or not array.size:
+        raise InputError(name, array, rule, "give a two-dimensional array of real numbers")
     if not np.all(np.isfinite(array)) or array.min() < item.minimum or array.max() > item.maximum:
         raise InputError(name, array, rule, "change the entries that are outside or not finite")
     array.setflags(write=False)

@@ -15,7 +15,7 @@ _MADE = {"box": Box, "disc": Disc, "band": Band, "strips": Strips}
 
 
 def from_table(table: Any, depth: int = 0) -> Region:
-    """Return the region that a table describes: `shape`, its keys, and `invert = true` for all but it.
+    """Return the region that a table describes: `shape`, its keys, and `invert = true` for its complement.
 
     Raises `InputError` for any mistake in it. The keys are in `cyclosis.model.interventions.SHAPES`.
     """

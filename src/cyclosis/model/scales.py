@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from .doors import door
 from .errors import InputError, number
 from .parameters import Coupling, Parameters
 
@@ -21,11 +22,11 @@ PEAK_SPEED = 0.9714276568
 
 @dataclass(frozen=True)
 class PhysicalParameters:
-    """The parameters of a cell in physical units, named by their suffixes.
+    """The parameters of a cell in the physical units that their suffixes name.
 
     `bundling_per_s` is A_p, `flow_alignment_per_um` A_u, `repulsion_per_s` K,
     `spatial_diffusion_um2_per_s` D_s, `rotational_diffusion_per_s` D_r, `layer_viscosity_Pa_s_m` the
-    two-dimensional μ. The last four have no unit and mean what they mean in `Parameters`.
+    two-dimensional μ. The last four have no unit and the same meaning as in `Parameters`.
 
     Example:
         >>> import cyclosis as cy
@@ -50,8 +51,8 @@ class PhysicalParameters:
 class Scales:
     """Units of a cell: radius R (µm), speed U = Φ/ν (µm/s) and wall friction ν (Pa s/m).
 
-    All must be positive and finite, else `InputError`. In *Chara* R is 500 µm and streaming runs at 50
-    to 100 µm/s.
+    All must be positive and finite, otherwise `InputError` is raised. In *Chara* R is 500 µm and the
+    streaming speed 50 to 100 µm/s.
 
     Example:
         >>> import cyclosis as cy
@@ -104,7 +105,7 @@ class Scales:
         friction_Pa_s_per_m: float = 1.0,
         peak_speed: float = PEAK_SPEED,
     ) -> Scales:
-        """Return the scales that turn a computed `peak_speed` (units of U) into the one measured.
+        """Return the scales that turn a computed `peak_speed` (units of U) into the measured one.
 
         Example:
             >>> import cyclosis as cy
@@ -133,6 +134,20 @@ class Scales:
     @property
     def _viscosity_Pa_s_m(self) -> float:
         return self.friction_Pa_s_per_m * (self.radius_um * 1e-6) ** 2
+
+    def peclet(self, diffusivity_um2_per_s: float) -> float:
+        """Return Pe = U R/D of a substance with a diffusivity D (µm²/s) in the vacuole. Dimensionless.
+
+        Raises `InputError` for a diffusivity that is not positive.
+
+        Example: a small molecule, and a protein.
+            >>> import cyclosis as cy
+            >>> chara = cy.Scales(radius_um=500.0, speed_um_per_s=100.0)
+            >>> chara.peclet(diffusivity_um2_per_s=1000.0), chara.peclet(50.0)
+            (50.0, 1000.0)
+        """
+        D = _positive("diffusivity_um2_per_s", diffusivity_um2_per_s)
+        return self.speed_um_per_s * self.radius_um / D
 
     def to_physical(self, params: Parameters) -> PhysicalParameters:
         """Return dimensionless parameters in physical units.
@@ -205,11 +220,12 @@ class Scales:
         return micrometres_per_second / self.speed_um_per_s
 
 
+@door
 def layer_mu(thickness_to_radius: float, no_slip_walls: int = 1) -> float:
     """Return μ* = (h/R)²/3 (one no-slip wall) or (h/R)²/12 (two) of a layer of thickness h.
 
     The paper's μ* = 0.05 means h/R = 0.39 or 0.77: a representative value, not literally a thin layer.
-    Dimensionless. Raises `InputError` for a thickness that is not positive and other numbers of walls.
+    Dimensionless. Raises `InputError` for a thickness that is not positive and for other numbers of walls.
 
     Example:
         >>> from cyclosis.model.scales import layer_mu

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .grid import CylinderGrid
+from .precision import dtypes
 
 PADDING = {"none": Fraction(1), "quadratic": Fraction(3, 2), "cubic": Fraction(2), "full": Fraction(5, 2)}
 """Factor by which each direction is refined where products are formed.
@@ -36,8 +37,9 @@ class Space:
     """Wavenumbers of a grid and the transforms on it (a traceable value).
 
     `m` (n_theta, 1) and `q` (1, n_z) are the wavenumbers, 0 for the Nyquist modes; `keep_m` and `keep_q`
-    are 0 there and 1 elsewhere; `k2` (n_theta, n_z) is |k|². Kept apart by direction because the right-hand
-    side is limited by memory. `shape` is the grid's, `fine` the shape on which products are formed.
+    are 0 there and 1 elsewhere; `k2` (n_theta, n_z) is |k|². The directions are kept
+    separate because the speed of the right-hand side is limited by memory. `shape` is the grid's, `fine` the
+    shape on which products are formed.
     """
 
     m: Any
@@ -68,19 +70,19 @@ class Space:
         if self.fine == self.shape:
             return jnp.fft.ifft2(spectrum)
         scale = self.fine[0] * self.fine[1] / (self.shape[0] * self.shape[1])
-        for axis in (0, 1):
+        for axis in (-2, -1):
             spectrum = _fit(spectrum, self.shape[axis], self.fine[axis], axis)
         return jnp.fft.ifft2(spectrum * scale)
 
     def to_spectrum(self, field: jax.Array) -> jax.Array:
-        """Return the modes of a packed (or real) field on the fine grid that the grid has room for.
+        """Return the modes that the grid has room for, of a packed (or real) field on the fine grid.
 
-        Nyquist modes are left in: what follows multiplies by `keep`.
+        Nyquist modes are left in: callers multiply by `keep`.
         """
         spectrum = jnp.fft.fft2(field.astype(self.packed))
         if self.fine == self.shape:
             return spectrum
-        for axis in (0, 1):
+        for axis in (-2, -1):
             spectrum = _fit(spectrum, self.shape[axis], self.shape[axis], axis)
         return spectrum * (self.shape[0] * self.shape[1] / (self.fine[0] * self.fine[1]))
 
@@ -113,11 +115,6 @@ def fine_shape(shape: tuple[int, int], dealias: str) -> tuple[int, int]:
         return shape
     first, second = (2 * -(-(n * factor) // 2) for n in shape)
     return (int(first), int(second))
-
-
-def dtypes(precision: str) -> tuple[type[np.floating[Any]], type[np.complexfloating[Any, Any]]]:
-    """Return the real and the complex type of a precision."""
-    return (np.float64, np.complex128) if precision == "float64" else (np.float32, np.complex64)
 
 
 def reverse(spectrum: jax.Array) -> jax.Array:

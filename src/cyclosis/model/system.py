@@ -1,7 +1,8 @@
-"""Parameters, grid and terms made ready for computing, and the functions of a state.
+"""Parameters, grid and terms prepared for computing, and the functions of a state.
 
 `System` is a traceable value: its numbers are arrays, so that changing one never recompiles; what is
-compiled in is only the shape, the dealiasing, the selection of terms and whether the force is cubic.
+compiled in is only the shape, the dealiasing, the selection of terms, the closure and whether the force is
+cubic.
 """
 
 from __future__ import annotations
@@ -15,19 +16,22 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
-from . import filaments, hydrodynamics, spectral
+from . import closures, filaments, hydrodynamics, interior, spectral
+from .closures import PAPER
 from .definitions import definition
+from .doors import door
+from .errors import number
 from .filaments import Term, TermLike
 from .grid import Array, CylinderGrid, interpolate
 from .hydrodynamics import FlowOperator
 from .moment import Moment, Values
 from .parameters import Parameters
-from .precision import double
-from .spectral import Space
+from .precision import double, dtypes
+from .spectral import Space, dot
 
 
 class Ramp(NamedTuple):
-    """Values on their straight way in time, by name: those of the system at `begin`, `target` at `end`."""
+    """Values that change linearly in time, by name: those of the system at `begin`, `target` at `end`."""
 
     begin: dict[str, Any]
     end: dict[str, Any]
@@ -38,9 +42,10 @@ class Ramp(NamedTuple):
 class System:
     """The right-hand side of one cell: dP/dt = linear P + nonlinear(P) in packed Fourier space.
 
-    `split` says that the linear terms are kept apart, for steppers that treat them exactly. With a `ramp`
-    some of the values follow time; the linear part is then that of the stronger diffusion of either end, and
-    what is too much of it is taken back in the nonlinear part, so that a stepper keeps its order.
+    `split` says that the linear terms are kept separate, for steppers that treat them exactly. With a `ramp`
+    some of the values depend on time; the linear part then has the stronger diffusion of the two ends, and
+    the excess is subtracted in the nonlinear part, so that a stepper keeps its order. `drag` (n_theta, n_z)
+    is the resistance of the vacuole to each wave of the flow, or None without it.
     """
 
     space: Space
@@ -51,15 +56,29 @@ class System:
     grid: CylinderGrid | None
     split: bool = True
     ramp: Ramp | None = None
+    closure: str = PAPER
+    drag: Any = None
 
     def at(self, spectrum: jax.Array, time: Any = 0.0) -> Moment:
         """Return the `Moment` of a packed spectrum."""
+        values, operator = self.couplings(time)
+        space, closure = self.space, self.closure
+        return Moment(time, spectrum, values, space, operator, self.cubic, self.grid, closure)
+
+    def couplings(self, time: Any) -> tuple[Values, FlowOperator]:
+        """Return the values of the couplings at a time, and the flow operator."""
         values, operator = self.values, self.operator
         if self.ramp is not None:
-            values = _on_the_way(values, self.ramp, time)
+            values = _at_time(values, self.ramp, time)
             if "mu" in self.ramp.target:
-                operator = hydrodynamics.flow_operator(self.space, values.mu, values.zero_theta_flux)
-        return Moment(time, spectrum, values, self.space, operator, self.cubic, self.grid)
+                operator = hydrodynamics.flow_operator(
+                    self.space, values.mu, values.zero_theta_flux, self.drag
+                )
+        return values, operator
+
+    def strongest(self) -> Values:
+        """Return the values with the larger of the diffusion constants at either end of a ramp."""
+        return self.values if self.ramp is None else _strongest(self.values, self.ramp)
 
     def with_values(self, values: Values) -> System:
         """Return the same system with other values of the couplings.
@@ -70,8 +89,7 @@ class System:
 
     def linear(self) -> jax.Array:
         """Return the real symbol of the linear part, shape (n_theta, n_z); zero if not `split`."""
-        values = self.values if self.ramp is None else _strongest(self.values, self.ramp)
-        now = Moment(0.0, self.space.k2, values, self.space, self.operator, self.cubic, self.grid)
+        now = Moment(0.0, self.space.k2, self.strongest(), self.space, self.operator, self.cubic, self.grid)
         symbol = filaments.linear_symbol(now, self.terms)
         return symbol if self.split else jnp.zeros_like(symbol)
 
@@ -84,6 +102,14 @@ class System:
             return rest
         return rest + (filaments.linear_symbol(now, self.terms) - self.linear()) * now.spectrum
 
+    def size(self, spectrum: jax.Array) -> jax.Array:
+        """Return <|P|²>^½ of a packed spectrum (Parseval), or the same of a rate or an error."""
+        return jnp.sqrt(jnp.sum(jnp.abs(spectrum) ** 2, dtype=jnp.float64)) / spectrum.size
+
+    def peak(self, now: Moment) -> jax.Array:
+        """Return max |P|²."""
+        return jnp.max(dot(now.p, now.p))
+
     def rate(self, now: Moment) -> jax.Array:
         """Return the spectrum of dP/dt."""
         return self.linear() * now.spectrum + self.nonlinear(now)
@@ -93,23 +119,35 @@ class System:
         packed = np.fft.fft2(spectral.pack(np.asarray(state, dtype=np.float64)))
         return (packed * np.asarray(self.space.keep)).astype(self.space.packed)
 
+    def reported(self, spectrum: Any) -> Any:
+        """Return the part of a packed spectrum that is reported: without its Nyquist modes.
+
+        In a run only an intervention leaves some, and they diffuse away.
+        """
+        return spectrum * self.space.keep
+
     def state(self, spectrum: npt.ArrayLike) -> Array:
         """Return the state (2, n_theta, n_z) of a packed spectrum."""
-        field = np.fft.ifft2(np.asarray(spectrum, dtype=np.complex128))
-        return np.stack([field.real, field.imag])
+        return state_of(spectrum)
+
+
+def state_of(spectrum: npt.ArrayLike) -> Array:
+    """Return the vector field (2, n_theta, n_z) of a packed spectrum."""
+    field = np.fft.ifft2(np.asarray(spectrum, dtype=np.complex128))
+    return np.stack([field.real, field.imag])
 
 
 jax.tree_util.register_dataclass(
     System,
-    data_fields=["space", "values", "operator", "ramp"],
-    meta_fields=["terms", "cubic", "grid", "split"],
+    data_fields=["space", "values", "operator", "ramp", "drag"],
+    meta_fields=["terms", "cubic", "grid", "split", "closure"],
 )
 
 _LINEAR = {"d_s", "d_r"}
 """The parameters of the linear terms."""
 
 
-def _on_the_way(values: Values, ramp: Ramp, time: Any) -> Values:
+def _at_time(values: Values, ramp: Ramp, time: Any) -> Values:
     """Return the values at a time during a ramp."""
 
     def between(name: str) -> Any:
@@ -131,10 +169,10 @@ def _strongest(values: Values, ramp: Ramp) -> Values:
 
 
 def ramped(first: System, last: System, times: Mapping[str, tuple[float, float]]) -> System:
-    """Return the system with values that go straight from those of `first` to those of `last`.
+    """Return the system with values that change linearly from those of `first` to those of `last`.
 
-    `times` gives the beginning and the end of the way of each, by name. All else must be the same in both;
-    what a name does not change costs nothing but time.
+    `times` gives the beginning and the end of each ramp, by name. Everything else must be the same in both;
+    a named value that does not change only costs time.
     """
     chosen = dict(times)
     if "kappa" in chosen and "repulsion_angle" not in chosen:
@@ -153,21 +191,25 @@ def system(
     split: bool = True,
     traced: dict[str, Any] | None = None,
     cubic: bool | None = None,
+    closure: str = PAPER,
+    vacuole_drag: float = 0.0,
 ) -> System:
     """Return the `System` of a cell.
 
-    `traced` overrides parameters with values that JAX traces (numbers only). `cubic` says whether the
-    force is always cubic (default: if it is by its parameters). Raises `InputError` when field-valued
-    parameters do not match the grid.
+    `traced` overrides parameters with values that JAX traces (without dealiasing). `cubic` says whether the
+    force is always cubic (default: if it is by its parameters). `vacuole_drag` is the coefficient β of the
+    drag of the vacuole. Raises `InputError` when field-valued parameters do not match the grid, and for an
+    unknown closure.
     """
-    params.require_shape(grid.shape)
+    params.require_grid(grid)
     dealias = definition("run", "dealias").check(dealias)
     precision = definition("run", "precision").check(precision)
     chosen = filaments.select_terms(terms)
     space = spectral.space(grid, dealias, precision)
     given = dict(params.items()) | (traced or {})
     values = _values(given, space, precision, jnp if traced else np)
-    operator = hydrodynamics.flow_operator(space, values.mu, values.zero_theta_flux)
+    drag = (vacuole_drag * interior.drag(space.m, space.q)).astype(space.k2.dtype) if vacuole_drag else None
+    operator = hydrodynamics.flow_operator(space, values.mu, values.zero_theta_flux, drag)
     custom = any(term.kind == "custom" for term in chosen)
     return System(
         space,
@@ -179,15 +221,17 @@ def system(
         else cubic,
         grid=grid.resized(*space.fine) if custom else None,
         split=split,
+        closure=closures.checked(closure),
+        drag=drag,
     )
 
 
 def _values(given: dict[str, Any], space: Space, precision: str, xp: Any) -> Values:
-    real, packed = spectral.dtypes(precision)
+    real, packed = dtypes(precision)
     mirror = given["kappa"] * xp.exp(2j * given["repulsion_angle"])
 
     def placed(value: Any) -> Any:
-        if np.ndim(value) == 0:
+        if np.ndim(value) == 0 or xp is jnp:  # what JAX traces is on the grid itself
             return xp.asarray(value, packed if xp.iscomplexobj(value) else real)
         if xp.iscomplexobj(value):
             fine = interpolate(np.stack([value.real, value.imag]), space.fine)
@@ -208,6 +252,7 @@ def flow_spectrum(system: System, spectrum: Any, time: Any = 0.0) -> Any:
     return system.at(spectrum, time).flow_spectrum
 
 
+@door
 def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: str = "none") -> Array:
     """Return the flow u that a state drives, shape (2, n_theta, n_z), dimensionless (units of U).
 
@@ -227,11 +272,12 @@ def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: 
         (True, True)
     """
     P = grid.check_state(state)
-    cell = system(params, grid, dealias=dealias)
+    equation = system(params, grid, dealias=dealias)
     with double():
-        return cell.state(flow_spectrum(cell, cell.spectrum(P)))
+        return equation.state(flow_spectrum(equation, equation.spectrum(P)))
 
 
+@door
 def rate_of_change(
     params: Parameters,
     grid: CylinderGrid,
@@ -239,11 +285,13 @@ def rate_of_change(
     time: float = 0.0,
     terms: Iterable[TermLike] | None = None,
     dealias: str = "none",
+    closure: str = PAPER,
 ) -> Array:
     """Return dP/dt of a state, shape (2, n_theta, n_z), dimensionless (per R/U).
 
-    The same right-hand side that `simulate` integrates; `terms` selects from it (see `Term`). Raises
-    `InputError` if state or parameter fields do not match the grid.
+    The same right-hand side that `simulate` integrates; `terms` selects from it (see `Term`), `closure` is
+    that of `cyclosis.models.polar_model`. Raises `InputError` if state or parameter fields do not match the
+    grid.
 
     Example:
         >>> import cyclosis as cy
@@ -257,6 +305,7 @@ def rate_of_change(
         1.0
     """
     P = grid.check_state(state)
-    cell = system(params, grid, terms, dealias)
+    equation = system(params, grid, terms, dealias, closure=closure)
+    now = number("time", time, -1e12, 1e12, "the default is 0")
     with double():
-        return cell.state(_rate_of_change(cell, cell.spectrum(P), float(time)))
+        return equation.state(_rate_of_change(equation, equation.spectrum(P), now))

@@ -18,12 +18,7 @@ if TYPE_CHECKING:
 
 def summary(run: Trajectory) -> str:
     """Return the outcome of a run: status, regime, zones, widths, speed and time."""
-    from ..analysis.diagnostics import diagnose
-    from ..analysis.regimes import regime
-
-    params = run.params_at(run.t_final)
-    found = regime(params, run.grid, run.final_state, run.terms, run.t_final)
-    numbers = diagnose(params, run.grid, run.final_state, run.t_final, run.terms)
+    found, numbers = _at_the_end(run)
     effort = run.effort
     lines = {
         "status": run.message,
@@ -38,6 +33,26 @@ def summary(run: Trajectory) -> str:
     if run.protocol:
         lines["protocol"] = _steps_done(run)
     return aligned(lines)
+
+
+def _at_the_end(run: Trajectory) -> tuple[Regime, dict[str, Any]]:
+    """Return the regime of the final state, and its quantities."""
+    from ..analysis.diagnostics import diagnose
+    from ..analysis.regimes import regime
+    from ..model.precision import double
+    from ..models import polar
+
+    model, grid, state, params = run.model, run.grid, run.final_state, run.params_at(run.t_final)
+    if model is polar:
+        how = (run.terms, run.t_final, run.settings.dealias)
+        numbers = diagnose(params, grid, state, run.t_final, run.terms, run.settings.dealias)
+        return regime(params, grid, state, *how), numbers
+    problem = model.problem(params, grid, run.terms, run.settings.dealias, shape=state.shape)
+    system = model.system(problem, True)
+    assert model.regime is not None
+    with double():
+        numbers = model.measure(system, model.modes(system, state), run.t_final)
+    return model.regime(problem, state), numbers
 
 
 def _steps_done(run: Trajectory) -> str:
@@ -64,6 +79,7 @@ def tree(dataset: xarray.Dataset) -> str:
     lines = [
         f"cyclosis run: {run['message']}",
         f"├─ grid        {sizes['theta']} x {sizes['z']}, length {dataset.attrs['length']:g}",
+        *_model(asked),
         f"├─ saved       {span}",
         "├─ parameters  " + _listed(asked["parameters"]),
         "├─ run         " + _listed(asked["run"]),
@@ -81,6 +97,14 @@ def tree(dataset: xarray.Dataset) -> str:
         branch = "└─" if name == names[-1] else "├─"
         lines.append(f"   {branch} {f'{name}({dims})':<32} {variable.attrs.get('long_name', '')}")
     return "\n".join(lines)
+
+
+def _model(asked: dict[str, Any]) -> list[str]:
+    """Return the model of a run as a branch of its tree, unless it is the polar one without settings."""
+    if "model" not in asked:
+        return []
+    kind = {"kind": asked["model"]["kind"]}
+    return [f"├─ model       {_listed(kind | asked['model'])}"]
 
 
 def _protocol(asked: dict[str, Any]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Sweeps, what they will cost and what has become of them, in a few lines of text."""
+"""Sweeps, their expected cost and their outcome, in a few lines of text."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ..model.errors import InputError
 from .lines import aligned
 
 if TYPE_CHECKING:
-    from ..sweep.estimate import Estimate
-    from ..sweep.plan import Sweep
-    from ..sweep.store import Store
-    from ..sweep.tally import SweepProgress, SweepSummary
+    from ..sweep.cluster.estimate import Estimate
+    from ..sweep.cluster.progress import SweepProgress, SweepSummary
+    from ..sweep.plan.sweep import Sweep
+    from ..sweep.store.store import Store
 
 FEW = 10
-"""Failures that are listed one by one."""
+"""Number of failures that are listed one by one."""
 
 
 def plan(sweep: Sweep, cost: Estimate) -> str:
@@ -28,8 +28,8 @@ def plan(sweep: Sweep, cost: Estimate) -> str:
     run = sweep.tables["run"]
     follow = "to their certain regimes, at most" if run["finish"] == "certified" else "each"
     axes = [f"{name} {len(values)}" for name, values in sweep.axes.items()]
-    sample = f"{cost.sampled} {'run' if cost.sampled == 1 else 'runs'} spread over the axes"
-    each = f"{cost.member_seconds:.3g} s each, after {duration(cost.compiling)} of compiling"
+    sample = f"{_number(cost.members, 'run')} at {_number(cost.points, 'point')} spread over the axes"
+    each = f"{cost.core_seconds / sweep.members:.3g} s a run"
     steps = {"protocol": "; ".join(map(str, sweep.protocol))} if sweep.protocol else {}
     return aligned(
         {"sweep": " x ".join([*axes, f"seed {len(sweep.seeds)}"])}
@@ -37,12 +37,30 @@ def plan(sweep: Sweep, cost: Estimate) -> str:
         | {
             "runs": f"{sweep.members}, {follow} to t = {run['t_end']:g}, {run['precision']}",
             "blocks": f"{sweep.blocks} of {sweep.block_size} runs",
-            "time": f"about {duration(cost.seconds)} with {workers(cost.workers)} like this core",
+            "time": f"{_about(cost)} with {workers(cost.workers)} like this core",
+            "of which": f"{duration(cost.start)} until a worker computes, {_first(cost)}",
             "based on": f"{sample}, {each}",
             "memory": f"{size(cost.memory)} a worker",
             "disk": f"{size(cost.disk)} in {sweep.blocks} files",
         }
     )
+
+
+def _about(cost: Estimate) -> str:
+    """Return the time of a sweep, and its likely range."""
+    low, high = cost.range
+    if math.isnan(high):
+        return f"perhaps {duration(cost.seconds)}, judged by one point,"
+    ends = duration(low), duration(high)
+    return f"about {duration(cost.seconds)}" + (f" ({ends[0]} to {ends[1]})" if ends[0] != ends[1] else "")
+
+
+def _first(cost: Estimate) -> str:
+    return f"{duration(cost.compiling)} more on a machine that has no compiled programs yet"
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def ended(summary: SweepSummary) -> str:
@@ -61,44 +79,44 @@ def ended(summary: SweepSummary) -> str:
 
 
 def status(store: Store, progress: Callable[[int, int], None]) -> str:
-    """Return what a store holds, having read all its blocks.
+    """Read all blocks of a store and return what it contains.
 
-    `progress` is called with the number of blocks read, and of all that stand.
+    `progress` is called with the number of blocks read, and of all that are stored.
     """
-    from ..sweep.collect import ranges
-    from ..sweep.task import counted
+    from ..sweep.cluster.task import counted
+    from ..sweep.store.read import ranges
 
-    sweep, standing, aside = store.sweep, sorted(store.present()), store.failed()
+    sweep, stored, aside = store.sweep, sorted(store.present()), store.failed()
     found: dict[str, Counter[str]] = {"regime": Counter(), "status": Counter()}
     seconds, done, damaged = 0.0, 0, []
-    for number, index in enumerate(standing, 1):
+    for number, index in enumerate(stored, 1):
         try:
             arrays: Mapping[str, Any] = store.read(index, ("regime", "status", "seconds"))
         except InputError:
             damaged.append(index)
             continue
         for name, counter in found.items():
-            counter.update(counted(arrays, name))
+            counter.update(counted(store.sweep, arrays, name))
         seconds += float(np.nansum(arrays["seconds"]))
         done += len(sweep.block(index).members)
-        progress(number, len(standing))
+        progress(number, len(stored))
     lines = {
         "store": f"{store.path}, begun {store.about['created']}",
         "runs": f"{done} of {sweep.members} ({math.floor(100 * done / sweep.members)} %)",
-        "blocks": f"{len(standing)} of {sweep.blocks}",
+        "blocks": f"{len(stored)} of {sweep.blocks}",
     }
     if done:
         lines["regimes"] = counts(dict(found["regime"].most_common()))
         lines["outcomes"] = counts(dict(found["status"].most_common()))
         lines["cost"] = f"{seconds / done:.3g} core-seconds a run"
     if damaged:
-        lines["damaged"] = f"block {ranges(damaged)}; mend with: {_mending(store)}"
+        lines["damaged"] = f"block {ranges(damaged)}; repair with: {_repair_command(store)}"
     return aligned(lines) + _failures(aside)
 
 
 def verified(store: Store, bad: list[tuple[int, str]]) -> str:
     """Return which blocks of a store are missing or damaged."""
-    from ..sweep.collect import ranges
+    from ..sweep.store.read import ranges
 
     kinds: dict[str, list[int]] = {}
     for index, reason in bad:
@@ -107,15 +125,15 @@ def verified(store: Store, bad: list[tuple[int, str]]) -> str:
         return aligned({"status": f"all {store.sweep.blocks} blocks of {store.path} are whole"})
     lines = {"status": f"{len(bad)} of {store.sweep.blocks} blocks of {store.path} are missing or damaged"}
     lines |= {reason: f"block {ranges(indices)}" for reason, indices in kinds.items()}
-    return aligned(lines | {"mend them": _mending(store)})
+    return aligned(lines | {"repair them": _repair_command(store)})
 
 
-def _mending(store: Store) -> str:
+def _repair_command(store: Store) -> str:
     return shlex.join(["cyclosis", "sweep", "repair", str(store.path)])
 
 
 def told(now: SweepProgress) -> str:
-    """Return where a sweep stands in one line."""
+    """Return the progress of a sweep in one line."""
     parts = [f"{now.done} of {now.total} runs"]
     if now.rate > 0:
         parts.append(f"{now.rate:.3g}/s")

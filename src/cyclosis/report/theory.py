@@ -7,22 +7,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..stability.atlas import RegimeMap
-    from ..stability.boundaries import Limits
     from ..stability.dispersion_table import DispersionTable
-    from ..stability.eigenmodes import Modes
-    from ..stability.profile import Profile
-    from ..stability.thresholds import Threshold
-    from ..stability.travelling import Drifting
+    from ..stability.existence.boundaries import Limits
+    from ..stability.existence.thresholds import Threshold
+    from ..stability.kinetic.dispersion import KineticDispersion
+    from ..stability.profiles.eigenmodes import Modes
+    from ..stability.profiles.profile import Profile
+    from ..stability.profiles.travelling import Drifting
+    from ..stability.regime_map import RegimeMap
 
 NEUTRAL = 1e-9
 """Rates no larger are shown as zero."""
 WAVES = 12
-"""Waves that are listed."""
+"""Number of waves that are listed."""
 
 
 def dispersion(table: DispersionTable) -> str:
-    """Return a table of growth rates and frequencies, and what they say."""
+    """Return a table of growth rates and frequencies, and how many waves grow."""
     growing = int(np.sum(table.rates[:, 0].real > NEUTRAL))
     verdict = f"{growing} of {table.m.size} listed waves grow" if growing else "none of these waves grows"
     lines = [
@@ -34,6 +35,15 @@ def dispersion(table: DispersionTable) -> str:
         if len(lines) == WAVES + 2:
             lines.append(f"   ... {table.m.size - WAVES} more")
             break
+    return "\n".join(lines)
+
+
+def kinetic_dispersion(table: KineticDispersion) -> str:
+    """Return the same of the kinetic model, and whether there are enough angular modes."""
+    lines = [dispersion(table)]
+    if not table.resolved:
+        remedy = "take more modes"
+        lines.append(f"underresolved: |m_{table.modes}| is {table.tail:.1e} of the first moments; {remedy}")
     return "\n".join(lines)
 
 
@@ -62,7 +72,7 @@ def drifting(found: Drifting) -> str:
 
 
 def spectrum(found: Profile, modes: Modes) -> str:
-    """Return the leading eigenvalues, each with what the mode is made of."""
+    """Return the leading eigenvalues, each with the shares of P_theta and P_z in its mode."""
     kind = f"waves along the cell of q = {modes.wavenumber:.6g}" if modes.wavenumber else "the same all along"
     lines = [
         f"{found.count} stripes, perturbations {kind}",
@@ -90,7 +100,7 @@ def limits(found: Limits) -> str:
 
 
 def threshold(found: Threshold) -> str:
-    """Return one threshold, its error and what grows below it."""
+    """Return one threshold, its error and which perturbation grows below it."""
     return (
         f"stable against everything beyond alpha_u = {found.alpha_u:.10g} +- {found.error:.1e}: "
         f"below it, {found.cause} ({found.n_theta} points)"
@@ -114,7 +124,7 @@ def _number(value: float) -> str:
 
 
 def _clean(value: float) -> float:
-    """Return a value without rounding errors that would be taken for something."""
+    """Return a value, with a rounding error replaced by zero."""
     return 0.0 if abs(value) < NEUTRAL else float(value)
 
 

@@ -1,48 +1,54 @@
-"""The theory: growth rates, steady and drifting states, their spectra, branches and thresholds.
+"""The theory: growth rates, steady and drifting states, their eigenvalues, branches and thresholds.
 
 All of it is computed on the simulation's own right-hand side, or in closed form and tested against it.
 `docs/stability.md` and `docs/stripes.md` derive it.
 """
 
-from . import dispersion as dispersion
-from . import elliptic as elliptic
-from . import profile as profile
-from .atlas import RegimeMap as RegimeMap
-from .atlas import regime_map as regime_map
-from .boundaries import Limits as Limits
-from .boundaries import limits as limits
-from .branch import Branch as Branch
-from .branch import SpecialPoint as SpecialPoint
-from .continuation import continue_branch as continue_branch
-from .diagram import diagram as diagram
-from .dispersion import growth_matrix as growth_matrix
-from .dispersion import growth_rates as growth_rates
-from .dispersion import stripes_threshold as stripes_threshold
-from .dispersion import tilt_threshold as tilt_threshold
-from .dispersion import unidirectional_order as unidirectional_order
-from .eigenmodes import Modes as Modes
-from .elliptic import elliptic_growth as elliptic_growth
-from .elliptic import elliptic_profile as elliptic_profile
-from .elliptic import front_threshold as front_threshold
-from .equilibria import SteadyState as SteadyState
-from .equilibria import steady_state as steady_state
-from .modes import CellModes as CellModes
-from .modes import leading_modes as leading_modes
-from .multistripe import common_threshold as common_threshold
-from .multistripe import stripe_modes as stripe_modes
-from .onset import neighbourhood as neighbourhood
-from .profile import Profile as Profile
-from .profile import cyclosis as cyclosis
-from .profile import stripes as stripes
-from .saddle import unequal as unequal
-from .saddle import unequal_branch as unequal_branch
+import sys
+
+from .branches.branch import Branch as Branch
+from .branches.branch import SpecialPoint as SpecialPoint
+from .branches.continuation import continue_branch as continue_branch
+from .branches.diagram import diagram as diagram
+from .cell.equilibria import SteadyState as SteadyState
+from .cell.equilibria import steady_state as steady_state
+from .cell.modes import CellModes as CellModes
+from .cell.modes import leading_modes as leading_modes
+from .existence.boundaries import Limits as Limits
+from .existence.boundaries import limits as limits
+from .existence.multistripe import common_threshold as common_threshold
+from .existence.multistripe import stripe_modes as stripe_modes
+from .existence.onset import neighbourhood as neighbourhood
+from .existence.saddle import unequal as unequal
+from .existence.saddle import unequal_branch as unequal_branch
+from .existence.thresholds import Threshold as Threshold
+from .existence.thresholds import destabilised as destabilised
+from .existence.thresholds import fold as fold
+from .existence.thresholds import fold_with_error as fold_with_error
+from .existence.thresholds import threshold as threshold
+from .existence.thresholds import threshold_with_error as threshold_with_error
+from .profiles import elliptic as elliptic
+from .profiles import profile as profile
+from .profiles.eigenmodes import Modes as Modes
+from .profiles.elliptic import elliptic_growth as elliptic_growth
+from .profiles.elliptic import elliptic_profile as elliptic_profile
+from .profiles.elliptic import front_threshold as front_threshold
+from .profiles.profile import Profile as Profile
+from .profiles.profile import cyclosis as cyclosis
+from .profiles.profile import stripes as stripes
+from .profiles.travelling import Drifting as Drifting
+from .profiles.travelling import drifting as drifting
+from .regime_map import RegimeMap as RegimeMap
+from .regime_map import regime_map as regime_map
 from .states import states as states
-from .thresholds import Threshold as Threshold
-from .thresholds import destabilised as destabilised
-from .thresholds import fold as fold
-from .thresholds import fold_with_error as fold_with_error
-from .thresholds import threshold as threshold
-from .thresholds import threshold_with_error as threshold_with_error
-from .travelling import Drifting as Drifting
-from .travelling import drifting as drifting
-from .uniform import orders as orders
+from .uniform import dispersion as dispersion
+from .uniform.dispersion import growth_matrix as growth_matrix
+from .uniform.dispersion import growth_rates as growth_rates
+from .uniform.dispersion import stripes_threshold as stripes_threshold
+from .uniform.dispersion import tilt_threshold as tilt_threshold
+from .uniform.dispersion import unidirectional_order as unidirectional_order
+from .uniform.uniform import orders as orders
+
+# Public modules keep the paths under which they can be imported.
+for _module in (dispersion, elliptic, profile):
+    sys.modules[f"{__name__}.{_module.__name__.rpartition('.')[2]}"] = _module

@@ -1,4 +1,4 @@
-"""When disorder is certain: a bound under which a weakly ordered state can only decay.
+"""When disorder is certain: a bound below which a weakly ordered state can only decay.
 
 For α_p <= d_r the disordered state gains nothing from bundling, and all other driving is of third order
 in P. Let M = max |P|, e = <|P - <P>|²>^½, s = <P_theta²>^½, F = |P|²P with Lipschitz constant 3M², u the
@@ -9,14 +9,14 @@ monotone, advection conserves <|P|²> and repulsion damps, the equation gives
     ds/dt <= -ν s + β e,    ν = a + κ' - α_u (M² + M⁴),     β = 3α_u (M² + M⁴) + 3 ε c M³,
     dM/dt <= α_u (M² s + 3 C₀ M² e) + 3 ε C₁ M³ e,
 
-c = max_k k/(1 + μk²), C₀² = Σ 1/(1 + μk²)², C₁² = Σ k²/(1 + μk²)² over the resolved modes, and κ' is what
-repulsion does to P_theta: κ(1 - M²) for d = e_theta, -κM² for d = e_z. If with M the largest value that
-these bounds let it reach
+c = max_k k/(1 + μk²), C₀² = Σ 1/(1 + μk²)², C₁² = Σ k²/(1 + μk²)² over the resolved modes, and κ' is the
+effect of repulsion on P_theta: κ(1 - M²) for d = e_theta, -κM² for d = e_z. If, with M the largest value
+that these bounds allow,
 
     M₀ + α_u M² [s₀/ν + β e₀/(νλ)] + 3M² (α_u C₀ + ε C₁ M) e₀/λ <= M,    λ, ν > 0,
 
-then e and s decay exponentially, and what remains, a uniform P_z, obeys dP_z/dt = -a P_z - α_p P_z³ in the
-end: the state can only become disordered, however long that takes (as t^-½ at α_p = d_r). Own derivation.
+then e and s decay exponentially, and the uniform P_z that remains obeys dP_z/dt = -a P_z - α_p P_z³: the
+state can only become disordered, however long that takes (as t^-½ at α_p = d_r). Own derivation.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 
 TRIALS = 1.05 ** np.arange(1, 29)
-"""Ratios of the largest |P| still to come to the present one that are tried, up to 3.9."""
+"""Trial ratios of the largest future |P| to the present one, up to 3.9."""
 
 
 class Disorder:
-    """The bound for one parameter point and grid; `decays` asks it about a state."""
+    """The bound for one parameter point and grid; `decays` applies it to a state."""
 
     def __init__(self, params: Parameters, grid: CylinderGrid) -> None:
         self.params = params
@@ -49,7 +49,7 @@ class Disorder:
     def decays(self, largest: float, unevenness: float, around: float) -> bool:
         """Return whether a state with max |P|, <|P - <P>|²>^½ and <P_theta²>^½ can only become disordered.
 
-        All dimensionless. False says nothing: the bound is sufficient, not necessary.
+        All dimensionless. False is inconclusive: the bound is sufficient, not necessary.
         """
         return self.applies and any(
             self._bounded(largest, largest * ratio, unevenness, around)

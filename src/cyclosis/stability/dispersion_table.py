@@ -11,10 +11,10 @@ import numpy.typing as npt
 from ..model.errors import number, whole
 from ..model.grid import Array
 from ..model.parameters import Parameters
-from .dispersion import Complex, growth_rates
-from .travelling import LENGTH
-from .uniform import OBLIQUE, check_numbers, uniform
-from .weakest import LONGEST_CELL
+from .existence.fastest_growing import LONGEST_CELL
+from .profiles.travelling import LENGTH
+from .uniform.dispersion import Complex, growth_rates
+from .uniform.uniform import OBLIQUE, check_numbers, uniform
 
 if TYPE_CHECKING:
     import xarray
@@ -52,18 +52,28 @@ def dispersion_table(
 ) -> DispersionTable:
     """Return the growth rates of up to `waves` waves around and along a cell of a length.
 
-    Of waves that are mirror images, which grow alike unless d is oblique, one is listed. Raises `InputError`
-    as `growth_rates`.
+    Unless d is oblique, waves that are mirror images grow alike, and one of the two is listed. Raises
+    `InputError` as `growth_rates` does.
     """
     waves = whole("waves", waves, 0, 1024, "the default is 3")
     length = number("length", length, 1e-6, LONGEST_CELL, "choose another length")
-    m, j = (axis.ravel() for axis in np.indices((waves + 1, waves + 1)))
     check_numbers(params)
-    if params.kappa > 0 and abs(np.sin(2 * params.repulsion_angle)) > OBLIQUE:
-        both = (m > 0) & (j > 0)
-        m, j = np.append(m, m[both]), np.append(j, -j[both])
-    q: Array = np.asarray(2 * np.pi / length * j, dtype=np.float64)
+    m, j, q = cell_waves(params, waves, length)
     rates = growth_rates(params, base, m, q)
     first = np.argsort(-rates[:, 0].real, kind="stable")
     order = uniform(params, base).order
     return DispersionTable(base, order, length, m[first], j[first], q[first], rates[first])
+
+
+def cell_waves(
+    params: Parameters, waves: int, length: float
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Array]:
+    """Return m, j and q = 2πj/length of up to `waves` waves around and along a cell.
+
+    One of each pair that d makes mirror images of each other.
+    """
+    m, j = (axis.ravel() for axis in np.indices((waves + 1, waves + 1)))
+    if params.kappa > 0 and abs(np.sin(2 * params.repulsion_angle)) > OBLIQUE:
+        both = (m > 0) & (j > 0)
+        m, j = np.append(m, m[both]), np.append(j, -j[both])
+    return m, j, np.asarray(2 * np.pi / length * j, dtype=np.float64)

@@ -1,9 +1,9 @@
-"""Which named states exist at a parameter point, and which of them are stable, without a run.
+"""Which named states exist at a parameter point, and which of them are stable, without a simulation.
 
-Uniform states in closed form; stripes by Newton's method: two equal ones, two tilted ones that rotate, and
-uneven order, with more of it upward than downward, in which the unidirectional state ends up where it breaks
-into stripes and equal ones do not exist. Each is stable if every perturbation of the whole cell decays,
-whatever its waves around and along the cell.
+Uniform states are found in closed form, stripes by Newton's method: two equal ones, two tilted ones that
+rotate, and uneven order, with more of it upward than downward, which the unidirectional state reaches where
+it breaks into stripes and equal ones do not exist. Each is stable if every perturbation of the whole cell
+decays, at all wavenumbers around and along the cell.
 """
 
 from __future__ import annotations
@@ -12,23 +12,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
-from .dispersion import growth_rates, stripes_threshold
-from .equal import EqualStripes
-from .leading import cutoff, decays, leading, most_waves
-from .nodes import NEUTRAL
-from .reduced import reduced
-from .relax import relax
-from .steady import steady
-from .thresholds import resolution
-from .travelling import LENGTH, drifting
-from .uniform import orders
-from .weakest import LONGEST_CELL, Perturbations, waves_in_words
+from .branches.points import NEUTRAL
+from .existence.equal import EqualStripes
+from .existence.fastest_growing import LONGEST_CELL, Perturbations, waves_in_words
+from .existence.thresholds import resolution
+from .profiles.reduced import reduced
+from .profiles.slowest import cutoff, decays, leading, most_waves
+from .profiles.steady import relax, steady
+from .profiles.travelling import LENGTH, drifting
+from .uniform.dispersion import growth_rates, stripes_threshold
+from .uniform.uniform import orders
 
 STATES = ("disordered", "unidirectional", "uneven", "cyclosis", "tilted", "circumferential")
-"""The states looked for; "tilted" are two stripes with a mean P_theta, which rotate about the axis."""
+"""The states sought; "tilted" are two stripes with a mean P_theta, which rotate about the axis."""
 UNIFORM = {
     "disordered": "disorder",
     "unidirectional": "unidirectional",
@@ -40,13 +40,13 @@ SMALL = 0.03
 """Mean of P_z, relative to unidirectional order, below which stripes are not uneven."""
 UNEVEN, DURATION = (0.6, 0.4), 3000.0
 """Mean and wave, relative to unidirectional order, of a guess of uneven order, and the time for which it is
-followed: it may oscillate."""
+integrated: it may oscillate."""
 SUBCRITICAL = 0.7
-"""Uneven order is looked for from this multiple of the α_u at which the unidirectional state breaks up."""
+"""Uneven order is sought from this multiple of the α_u at which the unidirectional state breaks up."""
 
 
 class Standing(NamedTuple):
-    """How a state stands at a parameter point: whether it `exists`, is `stable`, and what grows if not."""
+    """The status of a state at a parameter point: whether it `exists`, is `stable`, and what grows if not."""
 
     exists: bool
     stable: bool
@@ -56,10 +56,11 @@ class Standing(NamedTuple):
 ABSENT = Standing(False, False, "there is no such state")
 
 
+@door
 def states(params: Parameters, length: float = LENGTH) -> dict[str, Standing]:
     """Return the `Standing` of each of `STATES` in a cell of a length (dimensionless, in radii).
 
-    Stripes are those that full order relaxes to, tilted ones those that a standard guess does. Raises
+    Stripes are those to which full order relaxes, tilted ones those to which a standard guess does. Raises
     `InputError` for fields, an oblique d, and lengths that are not above 0 and at most 200.
 
     Example:
@@ -84,7 +85,7 @@ def _uniform(params: Parameters, base: str, length: float) -> Standing:
         return ABSENT
     m = np.arange(most_waves(params, 1.0) + 1.0)[:, None]
     j = np.arange(most_waves(params, 2 * np.pi / length) + 1.0)
-    # Reflections, d lying along an axis, make waves of negative number grow as their mirror images do.
+    # With d along an axis, waves of negative number grow as their mirror images do.
     each = [_grown(params, base, m, j, length, root) for root in range(roots)]
     return next((standing for standing in each if standing.stable), each[0])
 
@@ -140,7 +141,7 @@ def _uneven(params: Parameters, length: float) -> Standing:
 
 
 def _moving(params: Parameters, length: float, y: Array, drift: float) -> Standing:
-    """Return how a state y (2n,) stands that drifts about the axis, or stands still."""
+    """Return the `Standing` of a state y (2n,) that drifts about the axis, or is at rest."""
     waves = most_waves(params, 2 * np.pi / length)
     problem = reduced(params, CylinderGrid(POINTS, max(8, 2 * waves + 2), length))
     largest, turning = cutoff(params), drift * problem.derivative

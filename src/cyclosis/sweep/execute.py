@@ -1,7 +1,7 @@
-"""Computing a sweep on a Dask cluster: every block a task, its file in the store the answer.
+"""Computing a sweep on a Dask cluster: every block is a task, and its result a file in the store.
 
-The client keeps a window of blocks in work, so that the scheduler never holds many, and workers send
-back counts alone. Nothing has to be saved: what is in the store is done, the rest is not.
+The client keeps a limited number of blocks in progress, so that the scheduler never holds many, and workers
+send back only counts. No other state is saved: a block is done if its file is in the store.
 """
 
 from __future__ import annotations
@@ -19,32 +19,33 @@ from distributed import Client
 from distributed.scheduler import KilledWorker
 
 from ..dynamics.interrupts import Interrupts
+from ..model.doors import door
 from ..model.errors import InputError, whole
-from . import guests
-from .agenda import Agenda
-from .crew import Acquaintance, Answer, Attendance, Crew, News
-from .local import local_client
-from .order import spread
-from .plan import Sweep
-from .store import Store
-from .tally import SweepProgress, SweepSummary, Tally
-from .task import BlockTask, Compute, Report, described
+from .cluster import running_cluster
+from .cluster.local_cluster import local_client
+from .cluster.progress import SweepProgress, SweepSummary, Tally
+from .cluster.queue import BlockQueue, spread
+from .cluster.task import BlockTask, Compute, Report, described
+from .cluster.workers import BlockDone, News, NewWorkers, WorkerCount, Workers
+from .plan.sweep import Sweep
+from .store.store import Store
 
 Watcher = Callable[[SweepProgress], None]
 
 HOPELESS = 10
-"""If so many blocks fail before any is computed, the fault is not theirs."""
+"""If this many blocks fail before any is computed, the cause is not in the blocks."""
 AHEAD = 8
-"""Blocks in work beyond two for every thread: enough for the shortest."""
+"""Blocks in progress beyond two per thread: enough for the shortest blocks."""
 SHOW_SECONDS = 0.2
-"""Least time between two calls of the watcher, and the longest wait for news."""
+"""Shortest time between two calls of the watcher, and longest wait for news."""
 LONELY_SECONDS = 60.0
-"""How long a cluster of our own may be without any worker."""
+"""How long a cluster started here may be without any worker."""
 VISIBLE_SECONDS = 60.0
-"""How long a block may take to appear after its worker has written it, on a network's file system."""
+"""How long a block may take to appear after its worker has written it, on a network file system."""
 MOST_WORKERS = 4096
 
 
+@door
 def run_sweep(
     sweep: Sweep,
     store: str | os.PathLike[str],
@@ -54,17 +55,19 @@ def run_sweep(
     progress: Watcher | None = None,
     compute: Compute | None = None,
 ) -> SweepSummary:
-    """Compute what a store lacks of a sweep, and return how that ended.
+    """Compute the blocks of a sweep that a store lacks, and return a summary.
 
-    The store is a folder, made if there is none. `client` is one of a running Dask cluster, whose workers
-    need this package and the store's folder; without it `workers` processes are started here, by default
-    one a core (a script must then do this under `if __name__ == "__main__":`). `progress` is called with a
-    `SweepProgress` a few times a second. `compute(sweep, index)` may replace `cyclosis.sweep.block.compute`.
+    The store is a folder, which is created if it does not exist. `client` is a client of a running Dask
+    cluster, whose workers need this package and the store's folder; without it `workers` processes are
+    started here, by default one per core (a script must then call this under
+    `if __name__ == "__main__":`). `progress` is called with a `SweepProgress` a few times a second.
+    `compute(sweep, index)` may replace that of `cyclosis.sweep.store.block`.
 
-    A block that raises an exception is tried three times, and one whose worker dies as often; then it is
-    set aside in the store with the reason, where it stays until `repair`. Ctrl-C and SIGTERM stop with status
-    "interrupted". Whatever stops it, the same call goes on; several may work on one store at once. Raises
-    `InputError` if the store holds another sweep or cannot be made.
+    A block that raises an exception is tried three times, and so is a block whose worker dies; then it is
+    set aside in the store with the reason, until `repair` is called. Ctrl-C stops the workers and raises
+    KeyboardInterrupt with the summary as its attribute `run`, of status "interrupted"; SIGTERM stops them and
+    then has its usual effect. However a sweep was stopped, the same call continues it; several calls may
+    work on one store at once. Raises `InputError` if the store holds another sweep or cannot be created.
 
     Example:
         >>> from dask.distributed import Client
@@ -87,29 +90,29 @@ def repair(
     progress: Watcher | None = None,
     compute: Compute | None = None,
 ) -> SweepSummary:
-    """Discard the blocks of a store that are not as they were written, and compute all that it lacks.
+    """Discard the damaged blocks of a store, and compute all blocks that it lacks.
 
     Blocks that were set aside are tried again. Arguments and result are those of `run_sweep`.
 
     Example:
         >>> import cyclosis as cy
-        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store.block import compute
         >>> from cyclosis.sweep.execute import repair
-        >>> from cyclosis.sweep.store import Store
+        >>> from cyclosis.sweep.store.store import Store
         >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2}}
         >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
         >>> path = Store.create("whole", sweep).write(0, compute(sweep, 0))
         >>> repair("whole").status  # nothing to do, so that no worker starts
         'complete'
     """
-    _check(workers, client)
+    _check_arguments(workers, client)
     kept = Store(store)
     for index in {index for index, _ in kept.verify()} & kept.present() | kept.failed().keys():
         kept.discard(index)
     return _complete(kept, client, workers, progress, compute)
 
 
-def _check(workers: int | None, client: Client | None) -> None:
+def _check_arguments(workers: int | None, client: Client | None) -> None:
     if workers is not None:
         whole("workers", workers, 1, MOST_WORKERS, "leave it out for one a core")
         if client is not None:
@@ -123,19 +126,24 @@ def _complete(
     progress: Watcher | None,
     compute: Compute | None,
 ) -> SweepSummary:
-    _check(workers, client)
+    _check_arguments(workers, client)
     store.clean()
     execution = Execution(store, progress or (lambda now: None))
-    if not execution.agenda:
+    if not execution.queue:
         return execution.ended(False)
     task = BlockTask(str(store.path), store.digest, compute)
-    with Interrupts() as interrupts, _client(client, workers) as (reached, own):
-        return execution.run(Crew(reached, task, own), interrupts)
+    # A custom handler may return, and then the sweep continues: it need not wait.
+    with Interrupts(handlers=False) as interrupts:
+        with _client(client, workers) as (reached, own):
+            summary = execution.run(Workers(reached, task, own), interrupts)
+        store.clean()  # workers started here were killed, perhaps while one wrote a block
+        interrupts.deliver(summary)
+    return summary
 
 
 @contextmanager
 def _client(client: Client | None, workers: int | None) -> Iterator[tuple[Client, bool]]:
-    """Provide the client given, or that of a cluster of our own; and which of the two."""
+    """Provide the given client, or that of a new local cluster, and whether it is the latter."""
     if client is None:
         with local_client(workers) as own:
             yield own, True
@@ -146,96 +154,96 @@ def _client(client: Client | None, workers: int | None) -> Iterator[tuple[Client
 
 
 class Execution:
-    """One call of `run_sweep`: it keeps the crew busy, and judges what comes back."""
+    """One call of `run_sweep`: submits blocks to the workers and handles their results."""
 
     def __init__(self, store: Store, show: Watcher) -> None:
         self.store, self.sweep, self.show = store, store.sweep, show
-        present, aside = store.present(), store.failed()
-        self.tally = Tally(self.sweep.members, sum(map(self._members, present)), aside=aside)
+        present, set_aside = store.present(), store.failed()
+        self.tally = Tally(self.sweep.members, sum(map(self._members, present)), set_aside=set_aside)
         order = spread(self.sweep.blocks, random.randrange(self.sweep.blocks))
-        self.agenda = Agenda(i for i in order if i not in present and i not in aside)
+        self.queue = BlockQueue(i for i in order if i not in present and i not in set_aside)
         self.obstacle = ""
         self._alone: int | None = None
         self._unseen: dict[int, tuple[float, Report]] = {}
         self._threads = self._given_up = 0
         self._remarks: set[str] = set()
-        self._attended = self._shown = time.monotonic()
+        self._last_worker = self._shown = time.monotonic()
 
-    def run(self, crew: Crew, interrupts: Interrupts) -> SweepSummary:
-        """Compute until nothing is left, or something stands in the way."""
+    def run(self, workers: Workers, interrupts: Interrupts) -> SweepSummary:
+        """Compute until nothing is left, or an obstacle prevents it."""
         try:
-            while not (self.obstacle or interrupts.asked) and (self.agenda or crew or self._unseen):
-                self._employ(crew)
-                for news in crew.news(SHOW_SECONDS):
-                    self._hear(crew, news)
-                self._look(crew)
+            while not (self.obstacle or interrupts.asked) and (self.queue or workers or self._unseen):
+                self._submit(workers)
+                for news in workers.news(SHOW_SECONDS):
+                    self._handle(workers, news)
+                self._check(workers)
         finally:
-            crew.dismiss()
+            workers.release()
         self.show(self.tally.progress())
         return self.ended(interrupts.asked)
 
     def ended(self, interrupted: bool) -> SweepSummary:
-        """Return how it ended."""
+        """Return a summary of the call."""
         tally = self.tally
-        stands = f"{tally.done} of {tally.total} runs are in {self.store.path}"
+        stored = f"{tally.done} of {tally.total} runs are in {self.store.path}"
         if self.obstacle:
-            return tally.summary("stopped", f"{self.obstacle.rstrip('.')}; {stands}.")
+            return tally.summary("stopped", f"{self.obstacle.rstrip('.')}; {stored}.")
         if interrupted and tally.done < tally.total:
-            return tally.summary("interrupted", f"interrupted; {stands}.")
-        if tally.aside:
-            index, reason = min(tally.aside.items())
-            which = "1 block is" if len(tally.aside) == 1 else f"{len(tally.aside)} blocks are"
+            return tally.summary("interrupted", f"interrupted; {stored}.")
+        if tally.set_aside:
+            index, reason = min(tally.set_aside.items())
+            which = "1 block is" if len(tally.set_aside) == 1 else f"{len(tally.set_aside)} blocks are"
             why = f"block {index}: {reason.rstrip('.')}"
-            return tally.summary("incomplete", f"{stands}; {which} set aside because of failures ({why}).")
+            return tally.summary("incomplete", f"{stored}; {which} set aside because of failures ({why}).")
         return tally.summary("complete", f"all {tally.total} runs are in {self.store.path}.")
 
-    def _employ(self, crew: Crew) -> None:
-        """Give out blocks until the window is full; suspects last, and alone."""
-        if self._alone is not None or not self._threads or not crew.reachable:
+    def _submit(self, workers: Workers) -> None:
+        """Submit blocks until enough are in progress; suspects last, and alone."""
+        if self._alone is not None or not self._threads or not workers.reachable:
             return
         batch: list[int] = []
-        while len(crew) + len(batch) < 2 * self._threads + AHEAD:
-            index = self.agenda.next()
+        while len(workers) + len(batch) < 2 * self._threads + AHEAD:
+            index = self.queue.next()
             if index is None:
                 break
-            if self.store.has(index):  # another client has brought it
+            if self.store.has(index):  # another client has had it computed
                 self._count(Report(index))
             else:
                 batch.append(index)
-        if not batch and not crew:
-            self._alone = self.agenda.next_suspect()
+        if not batch and not workers:
+            self._alone = self.queue.next_suspect()
             batch = [] if self._alone is None else [self._alone]
         if batch:
-            crew.submit(batch)
+            workers.submit(batch)
 
-    def _hear(self, crew: Crew, news: News) -> None:
-        if isinstance(news, Answer):
+    def _handle(self, workers: Workers, news: News) -> None:
+        if isinstance(news, BlockDone):
             alone, self._alone = self._alone is not None, None
-            self._judge(crew, news.index, news.value, alone)
-        elif isinstance(news, Attendance):
+            self._handle_block(workers, news.index, news.value, alone)
+        elif isinstance(news, WorkerCount):
             self._threads = sum(news.threads.values())
             self.tally.see_workers(len(news.threads))
             if news.threads:
-                self._attended = time.monotonic()
+                self._last_worker = time.monotonic()
         else:
-            self._meet(news)
+            self._handle_new(news)
 
-    def _meet(self, news: Acquaintance) -> None:
-        self.obstacle = self.obstacle or guests.obstacle(news.greetings)
-        remarks = guests.remarks(news.greetings)
+    def _handle_new(self, news: NewWorkers) -> None:
+        self.obstacle = self.obstacle or running_cluster.obstacle(news.reports)
+        remarks = running_cluster.remarks(news.reports)
         if remarks and remarks not in self._remarks:
             self._remarks.add(remarks)
             warnings.warn(remarks, stacklevel=2)
 
-    def _judge(self, crew: Crew, index: int, value: Any, alone: bool) -> None:
-        """Take in what came back of a block."""
+    def _handle_block(self, workers: Workers, index: int, value: Any, alone: bool) -> None:
+        """Handle the result of a block: a report or an exception."""
         if isinstance(value, Report):
             self._report(value)
         elif isinstance(value, KilledWorker):
-            if self.agenda.died(index, value.allowed_failures + 1, alone):
-                self._give_up(index, f"its worker died {self.agenda.deaths(index)} times")
-        elif isinstance(value, CancelledError) or not crew.reachable:
-            self.agenda.unlucky(index)
+            if self.queue.died(index, value.allowed_failures + 1, alone):
+                self._give_up(index, f"its worker died {self.queue.deaths(index)} times")
+        elif isinstance(value, CancelledError) or not workers.reachable:
+            self.queue.retry(index)
         else:
             self._fail(index, described(value))
 
@@ -249,8 +257,8 @@ class Execution:
         else:
             self._unseen[report.index] = (time.monotonic() + VISIBLE_SECONDS, report)
 
-    def _look(self, crew: Crew) -> None:
-        """Look for blocks that have not appeared yet and a crew that stays away; show how things stand."""
+    def _check(self, workers: Workers) -> None:
+        """Check for blocks that have not appeared yet and for missing workers; show the progress."""
         now = time.monotonic()
         for index, (deadline, report) in list(self._unseen.items()):
             if self.store.has(index):
@@ -260,9 +268,9 @@ class Execution:
             else:
                 continue
             del self._unseen[index]
-        if crew.lost:
+        if workers.lost:
             self.obstacle = self.obstacle or "the scheduler cannot be reached any more"
-        elif crew.own and now > self._attended + LONELY_SECONDS:
+        elif workers.own and now > self._last_worker + LONELY_SECONDS:
             self.obstacle = self.obstacle or "no worker can be started"
         if now > self._shown + SHOW_SECONDS:
             self._shown = now
@@ -272,11 +280,11 @@ class Execution:
         self.tally.add(report, self._members(report.index))
 
     def _fail(self, index: int, reason: str) -> None:
-        if self.agenda.failed(index):
+        if self.queue.failed(index):
             self._give_up(index, reason)
 
     def _give_up(self, index: int, reason: str) -> None:
-        self.tally.aside[index] = reason
+        self.tally.set_aside[index] = reason
         try:
             self.store.set_aside(index, reason)
         except InputError as error:

@@ -1,12 +1,9 @@
-"""From a store to one file for other programs: Zarr, compressed NetCDF, or a table."""
+"""Exporting a store to one file for other programs: Zarr, compressed NetCDF, or a table."""
 
 from __future__ import annotations
 
 import gzip
 import os
-import secrets
-import shutil
-import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
@@ -21,17 +18,17 @@ import numpy as np
 import numpy.typing as npt
 import xarray
 
-from ..dataset.contents import ZONES
 from ..dataset.guarded import GuardedFile
-from ..dataset.netcdf import sync_folder, unwritable
+from ..dataset.place import in_the_way, vacate
+from ..dataset.whole import remove, swap_folder, sync_folder, temporary, unwritable, whole
 from ..model.errors import InputError
-from .collect import choose, open_sweep
-from .packed import Arrays
-from .store import Store
-from .variables import FIELD, Variable, meanings, of_members, of_states
+from .plan.variables import Variable, of_members, of_states
+from .store.block_file import Arrays
+from .store.read import choose, open_sweep
+from .store.store import Store
 
 PIECE_BYTES = 2**26
-"""Memory that the piece of a variable that is being copied takes, about."""
+"""Approximate memory of the pieces in which variables are copied."""
 
 
 def export(
@@ -42,18 +39,19 @@ def export(
 ) -> Path:
     """Write the results in a store to one file, and return its path.
 
-    The suffix decides: `.zarr` (a folder, format 2) and `.nc` (NetCDF-4, compressed) hold what `open_sweep`
-    gives; `.csv` and `.csv.gz` have a row for every member: where it stands, then its variables, regime and
-    status by name, nothing where a value is missing; all zones stand in one cell, and profiles and fields are
-    left out. `variables` names those to export. The target appears whole or not at all.
-    Raises `InputError` for another suffix, a target that stands (unless `force`), damaged blocks, unknown
-    variables, and if it cannot be written.
+    The suffix sets the format: `.zarr` (a folder, format 2) and `.nc` (NetCDF-4, compressed) hold what
+    `open_sweep` returns, and xarray opens them directly: integers stay integers, -1 where there is no value,
+    as their attributes `valid_min` and `comment` say. `.csv` and `.csv.gz` have one row per member: its
+    number, its values on the axes, its seed, then its variables. Regime and status are names, missing values
+    are empty, all zones share one column, and profiles and fields are left out. `variables` names those to
+    export. The target is written completely or not at all. Raises `InputError` for another suffix, an
+    existing target (unless `force`), damaged blocks, unknown variables, and if it cannot be written.
 
     Example:
         >>> import cyclosis as cy
-        >>> from cyclosis.sweep.block import compute
+        >>> from cyclosis.sweep.store.block import compute
         >>> from cyclosis.sweep.export import export
-        >>> from cyclosis.sweep.store import Store
+        >>> from cyclosis.sweep.store.store import Store
         >>> tables = {"axes": {"alpha_p": {"values": [0.01]}}, "ensemble": {"seeds": 2}}
         >>> sweep = cy.Sweep.from_tables(tables | {"grid": {"n_theta": 16, "n_z": 16}})
         >>> path = Store.create("exported", sweep).write(0, compute(sweep, 0))
@@ -63,12 +61,14 @@ def export(
     source = store if isinstance(store, Store) else Store(store)
     place = Path(os.path.abspath(target))
     writer = _writer(place)
-    _refuse_standing(place, force)
+    _refuse_existing(place, force)
     names = None if variables is None else list(variables)
     choose(source.sweep.variables, names)
     try:
-        with _whole(place) as beside:
+        with _whole(place, force) as beside:
             writer(source, beside, names)
+    except FileExistsError as error:
+        raise in_the_way(place, "a new name") from error
     except OSError as error:
         raise unwritable(place, error) from error
     return place
@@ -84,14 +84,17 @@ def _writer(target: Path) -> Callable[[Store, Path, list[str] | None], None]:
     raise InputError("out", str(target), rule, "change its suffix")
 
 
-def _refuse_standing(target: Path, force: bool) -> None:
+def _refuse_existing(target: Path, force: bool) -> None:
     if not target.parent.is_dir():
         raise InputError("out", str(target), "in a folder that exists", f"create {target.parent} first")
     if os.path.lexists(target) and not force:
-        raise InputError("out", str(target), "a new name", "add --force (force=True) to overwrite it")
-    folder = target.name.lower().endswith(".zarr")
-    if target.is_dir() and not (folder and _is_zarr(target)):
+        raise in_the_way(target, "a new name")
+    if target.is_dir() and not (_named_zarr(target) and _is_zarr(target)):
         raise InputError("out", str(target), "no folder with other things", "choose another name")
+
+
+def _named_zarr(target: Path) -> bool:
+    return target.name.lower().endswith(".zarr")
 
 
 def _is_zarr(folder: Path) -> bool:
@@ -99,43 +102,32 @@ def _is_zarr(folder: Path) -> bool:
 
 
 @contextmanager
-def _whole(target: Path) -> Iterator[Path]:
-    """Provide a temporary name beside a target, which it replaces if all goes well; else it is removed."""
-    token = secrets.token_hex(4)
-    new = target.with_name(f".{target.name}.{token}.new")
-    old = target.with_name(f".{target.name}.{token}.old")
+def _whole(target: Path, force: bool) -> Iterator[Path]:
+    """Provide a temporary name beside a target, which it replaces on success; otherwise it is removed."""
+    if not _named_zarr(target):
+        with whole(target, force) as new:
+            yield new
+            vacate(target)
+        return
+    new = temporary(target)
+    old: list[Path] = []
     try:
         yield new
-        if target.is_dir():  # no folder can be replaced in one go
-            os.replace(target, old)
-        try:
-            os.replace(new, target)
-        except OSError:
-            if old.exists():
-                os.replace(old, target)
-            raise
+        if os.path.lexists(target) and not force:
+            raise FileExistsError
+        old = swap_folder(new, target)
         sync_folder(target.parent)
     finally:
-        for path in (new, old):
-            _remove(path)
-
-
-def _remove(path: Path) -> None:
-    """Remove a file or a folder for good: where one of Zarr's writes fails, others are still on their way."""
-    if not path.is_dir():
-        path.unlink(missing_ok=True)
-    for _ in range(100):
-        if not path.is_dir():
-            return
-        shutil.rmtree(path, ignore_errors=True)
-        time.sleep(0.1)
+        for path in (new, *old):
+            remove(path)
 
 
 def _zarr(store: Store, target: Path, names: list[str] | None) -> None:
     dataset = open_sweep(store.path, names)
-    if FIELD.name in dataset:  # it is read, and written, piece by piece
-        field = dataset[FIELD.name]
-        dataset[FIELD.name] = field.chunk(dict(zip(field.dims, _pieces_of(field), strict=True)))
+    name = store.sweep.model.state_name
+    if name in dataset:  # read and written piece by piece
+        field = dataset[name]
+        dataset[name] = field.chunk(dict(zip(field.dims, _pieces_of(field), strict=True)))
     dataset.to_zarr(target, mode="w-", zarr_format=2, consolidated=True)
 
 
@@ -150,27 +142,27 @@ def _netcdf(store: Store, target: Path, names: list[str] | None) -> None:
         guarded.sync()
 
 
-def _copy(file: h5netcdf.File, name: str, item: xarray.Variable, still_well: Callable[[], None]) -> None:
+def _copy(file: h5netcdf.File, name: str, item: xarray.Variable, check: Callable[[], None]) -> None:
     """Copy a variable into a file, piece by piece."""
     text = item.dtype.kind in "UO"
     options: dict[str, Any] = {}
     sizes = _pieces_of(item)
     if not text:
         options = {"chunks": sizes, "compression": "gzip", "compression_opts": 4, "shuffle": True}
-        options |= {"fletcher32": True, "fillvalue": item.attrs.get("_FillValue")}
+        options["fletcher32"] = True
     dtype = h5py.string_dtype() if text else item.dtype
     target = file.create_variable(name, item.dims, dtype, **options)
-    target.attrs.update({key: value for key, value in item.attrs.items() if key != "_FillValue"})
+    target.attrs.update(item.attrs)
     starts = (range(0, size, step) for size, step in zip(item.shape, sizes, strict=True))
     for corner in product(*starts):
         place = tuple(slice(at, at + step) for at, step in zip(corner, sizes, strict=True))
         values = item[place].values
         target[place] = values.astype(object) if text else values
-        still_well()
+        check()
 
 
 def _pieces_of(item: Any) -> tuple[int, ...]:
-    """Return the shape of pieces of about `PIECE_BYTES`, whole along the last dimensions."""
+    """Return the shape of pieces of about `PIECE_BYTES`, complete along the last dimensions."""
     left = max(1, PIECE_BYTES // max(1, item.dtype.itemsize))
     sizes = []
     for size in reversed(item.shape):
@@ -189,41 +181,42 @@ def _table(store: Store, target: Path, names: list[str] | None, packed: bool = F
 
 
 def _packer(raw: IO[bytes], packed: bool) -> AbstractContextManager[IO[bytes]]:
-    """Return where bytes are to be written; the same ones always make the same file."""
+    """Return a stream to write bytes to; the same bytes always give the same file."""
     return cast(Any, gzip.GzipFile("", "wb", 9, raw, mtime=0)) if packed else nullcontext(raw)
 
 
 def _rows(store: Store, items: list[Variable]) -> Iterator[str]:
-    """Yield the table's head, and then its rows block by block."""
+    """Yield the table's header, then its rows block by block."""
     sweep = store.sweep
     states = of_states(sweep)
-    standing = store.present()
+    present = store.present()
     for index in range(sweep.blocks):
         members = sweep.block(index).members
-        arrays = store.read(index, {item.name for item in items}) if index in standing else {}
+        arrays = store.read(index, {item.name for item in items}) if index in present else {}
         columns = {name: _texts(place.values) for name, place in of_members(sweep, members).items()}
         for item in items:
-            columns |= _columns(item, arrays, states, len(members))
+            columns |= _columns(item, arrays, states, (len(members), *(sweep.sizes[d] for d in item.dims)))
         if index == 0:
             yield ",".join(columns) + "\n"
         yield "".join(",".join(row) + "\n" for row in zip(*columns.values(), strict=True))
 
 
-def _columns(item: Variable, arrays: Arrays, states: dict[str, Any], count: int) -> dict[str, list[str]]:
+def _columns(
+    item: Variable, arrays: Arrays, states: dict[str, Any], shape: tuple[int, ...]
+) -> dict[str, list[str]]:
     """Return the columns of a variable by their names."""
     if item.dims not in ((), ("zone",)):
         labels = [f"{item.name}_{at}" for at in states[item.dims[0]].values]
         parts = [replace(item, name=label, dims=()) for label in labels]
-        values = arrays.get(item.name, item.empty((count, len(parts))))
+        values = arrays.get(item.name, item.empty(shape))
         return {part.name: _column(part, values[:, at]) for at, part in enumerate(parts)}
-    values = arrays.get(item.name, item.empty((count, *(ZONES for _ in item.dims))))
+    values = arrays.get(item.name, item.empty(shape))
     return {item.name: _column(item, values)}
 
 
 def _column(item: Variable, values: npt.NDArray[Any]) -> list[str]:
     if item.codes:
-        names = meanings(item.codes)
-        return [names[code] if code >= 0 else "" for code in values]
+        return [item.codes[code] if code >= 0 else "" for code in values]
     if item.dims:
         return [" ".join(_texts(row[np.isfinite(row)])) for row in values]
     missing = np.isnan(values) if values.dtype.kind == "f" else values == item.missing

@@ -7,7 +7,7 @@ import { debounce } from './throttle';
 const LEFT = 46, BELOW = 30, ABOVE = 6, RIGHT = 8, HEIGHT = 270;
 const DASHES: number[][] = [[], [7, 4], [2, 3], [8, 3, 2, 3], [12, 4]];
 
-/** The map of fates over both alignments: where this cell stands, and a way to go elsewhere. */
+/** The map of outcomes over both alignments: where this cell is, and a way to move it elsewhere. */
 export function diagram(hub: Hub): HTMLElement {
   const { alpha_p, alpha_u, share, parameters, caption } = hub.about.diagram;
   const xs = borders(alpha_p), ys = borders(alpha_u);
@@ -45,7 +45,7 @@ export function diagram(hub: Hub): HTMLElement {
     pen.globalAlpha = moved ? 0.35 : 1;
     share.forEach((row, i) => row.forEach((percent, j) => {
       pen.fillStyle = mix(colour('--share-none'), colour('--share-all'), percent / 100);
-      // On whole dots, so that neighbours neither overlap nor gape.
+      // On whole pixels, so that neighbours neither overlap nor leave gaps.
       const [left, top] = [dot(x(xs[i]!)), dot(y(ys[j + 1]!))];
       pen.fillRect(left, top, dot(x(xs[i + 1]!)) - left, dot(y(ys[j]!)) - top);
     }));
@@ -94,7 +94,7 @@ export function diagram(hub: Hub): HTMLElement {
       let on = false;
       curve.alpha_p.forEach((a: number | null, i) => {
         const b: number | null = curve.alpha_u[i]!;
-        // Where a line is not defined it is broken.
+        // A line is interrupted where it is not defined.
         if (a === null || b === null) on = false;
         else {
           path[on ? 'lineTo' : 'moveTo'](x(a), y(b));
@@ -115,12 +115,12 @@ export function diagram(hub: Hub): HTMLElement {
     const names = others(parameters, hub.parameters);
     note.classList.toggle('warn', names.length > 0);
     note.textContent = names.length
-      ? `The colours were computed with other ${names.join(', ')} than this cell has, and are dimmed. ${caption}`
+      ? `The shades were computed with other values of ${names.join(', ')} and are dimmed. ${caption}`
       : caption;
-    if (curves && !curves.applies) note.append(' The lines of theory do not hold for this cell.');
+    if (curves && !curves.applies) note.append(' The lines of theory do not apply to this cell.');
   };
   const go = (a: number, b: number): void => hub.ask({ do: 'change', values: { alpha_p: round(a), alpha_u: round(b) } });
-  // Theory takes the server a while: only lines that are looked at are asked for.
+  // Theory takes the server a while: lines are requested only while they are visible.
   let visible = false, wanted = false;
   const askCurves = debounce(() => {
     if (!visible || !wanted) return;

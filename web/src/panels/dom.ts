@@ -18,20 +18,20 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A panel that folds, with its title; in narrow windows all start folded but two. */
+/** A panel that folds, with its title; in narrow windows all but two start folded. */
 export function panel(id: string, title: string, open: boolean, ...children: Child[]): HTMLDetailsElement {
   const heading = h('h2', {}, title);
   return h('details', { class: 'panel', id: `panel-${id}`, open }, h('summary', {}, heading), h('div', { class: 'body' }, ...children));
 }
 
-/** Whether keys pressed there belong to the thing itself. */
+/** Whether an element handles keys by itself. */
 export function takesKeys(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest('input, select, textarea, button, summary, a, dialog') !== null;
 }
 
 const TOKEN = /([A-Za-zα-ωΑ-Ω]+)_([A-Za-zα-ω0-9])|([⁽][^⁾]*[⁾])/gu;
 
-/** Mathematics as in the package's own texts, with subscripts set as such. */
+/** Mathematics as in the texts of the package, with subscripts typeset. */
 export function mathematics(text: string): HTMLElement {
   const out = h('span', { class: 'math' });
   let place = 0;

@@ -1,7 +1,7 @@
 import type { Hub } from './hub';
 import { h, mathematics, panel } from './dom';
 
-/** The filament equation, each of whose terms says what it does. */
+/** The filament equation; each term explains what it does. */
 export function equation(hub: Hub): HTMLElement {
   const caption = h('p', { id: 'term', class: 'note', 'aria-live': 'polite' }, 'Choose a term to read what it does.');
   const buttons = hub.about.terms.map((term, k) => {
@@ -21,6 +21,6 @@ export function equation(hub: Hub): HTMLElement {
     h('p', { class: 'equation' }, h('span', {}, mathematics('∂P/∂t = ')), ...buttons),
     caption,
     h('p', { class: 'equation quiet' }, mathematics('−μ ∇²u + u + Π₀ e_z + ∇Π′ = |P|ⁿ P,  ∇·u = 0')),
-    h('p', { class: 'note' }, 'P is the local direction and order of the actin filaments, u the flow that motors on them drive: it follows the filaments at once, held back by friction.'),
+    h('p', { class: 'note' }, 'P is the local direction and order of the actin filaments, u the flow that motors on them drive: it responds to the filaments at once, balanced by friction.'),
   );
 }

@@ -2,12 +2,13 @@ import type { Tool } from '../scene/scene';
 import type { Ask } from '../protocol';
 import type { Hub } from './hub';
 import { h, mathematics, panel } from './dom';
+import { explain, table } from './explain';
 
 const TOOLS: [Tool, string, string][] = [
   ['turn', 'Turn', 'drag to turn the cell (1)'],
-  ['wound', 'Wound', 'take all filaments away under the brush (2)'],
+  ['wound', 'Wound', 'remove all filaments under the brush (2)'],
   ['fragment', 'Fragment', 'break filaments into disorder under the brush (3)'],
-  ['align', 'Align', 'lay filaments along one direction under the brush (4)'],
+  ['align', 'Align', 'turn filaments along one direction under the brush (4)'],
 ];
 const DRUGS: ['cytochalasin' | 'wash_out' | 'inhibit_myosin', string, string][] = [
   ['cytochalasin', 'Cytochalasin', 'stops bundling: α_p becomes 0'],
@@ -26,7 +27,7 @@ export interface Hand {
   stroke(points: [number, number][]): void;
 }
 
-/** Tools that act where they are put, and drugs that act everywhere. */
+/** Tools that act under the brush, and drugs that act everywhere. */
 export function hand(hub: Hub, target: HandTarget): Hand {
   let tool: Tool = 'turn';
   const radius = h('input', { id: 'radius', type: 'range', min: 0.1, max: 1.5, step: 0.05, value: '0.4', oninput: () => choose(tool) });
@@ -34,12 +35,14 @@ export function hand(hub: Hub, target: HandTarget): Hand {
   const angle = h('input', { id: 'angle', type: 'range', min: -180, max: 180, step: 5, value: '90', oninput: () => choose(tool) });
   const angleValue = h('output', { for: 'angle' });
   const angleRow = h('div', { class: 'row slide' }, h('label', { for: 'angle' }, 'Direction'), angle, angleValue);
+  const tip = h('p', { id: 'tool-tip', class: 'note', 'aria-live': 'polite' });
   const buttons = TOOLS.map(([name, title, tip]) =>
     h('button', { id: `tool-${name}`, 'aria-pressed': 'false', title: tip, onclick: () => choose(name) }, title));
 
   const choose = (wanted: Tool): void => {
     tool = wanted;
     TOOLS.forEach(([name], k) => buttons[k]!.setAttribute('aria-pressed', String(name === tool)));
+    tip.textContent = TOOLS.find(([name]) => name === tool)![2].replace(/^./, (letter) => letter.toUpperCase());
     radiusValue.textContent = `${Number(radius.value).toFixed(2)} R`;
     angleValue.textContent = `${angle.value}° ${direction(Number(angle.value))}`;
     angleRow.hidden = tool !== 'align';
@@ -57,7 +60,7 @@ export function hand(hub: Hub, target: HandTarget): Hand {
     }
   };
 
-  // The brush for those who cannot, or would rather not, draw.
+  // The brush for those who cannot draw, or prefer not to.
   const theta = h('input', { id: 'at-theta', type: 'number', min: 0, max: 6.29, step: 'any', value: '3.14', 'aria-label': 'θ of the brush in radians' });
   const z = h('input', { id: 'at-z', type: 'number', min: 0, step: 'any', value: '2.5', 'aria-label': 'z of the brush in radii' });
   const apply = h('button', { id: 'brush-here', onclick: () => brush([[Number(theta.value), Number(z.value)]]) }, 'Apply here');
@@ -65,13 +68,15 @@ export function hand(hub: Hub, target: HandTarget): Hand {
   const element = panel(
     'hand', 'Your hand', true,
     h('div', { class: 'row segmented', role: 'group', 'aria-label': 'Tool' }, ...buttons),
+    tip,
     h('div', { class: 'row slide' }, h('label', { for: 'radius' }, 'Brush'), radius, radiusValue),
     angleRow,
     h('details', { class: 'inner' }, h('summary', {}, 'Brush by numbers'),
       h('div', { class: 'row' }, mathematics('θ'), theta, mathematics('z'), z, apply)),
     h('div', { class: 'row wrap drugs', role: 'group', 'aria-label': 'Drugs' },
       ...DRUGS.map(([name, title, tip]) =>
-        h('button', { id: `drug-${name.replace('_', '-')}`, title: tip, onclick: () => hub.ask({ do: 'drug', name }) }, title))),
+        h('button', { id: `drug-${name.replace('_', '-')}`, title: tip, onclick: () => hub.ask({ do: 'drug', name }) }, title)),
+      explain('each drug', () => [table(DRUGS.map(([, title, tip]) => [title, tip, '']))])),
   );
   choose('turn');
   return { element, choose, stroke: brush };

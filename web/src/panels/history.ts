@@ -1,6 +1,6 @@
 /**
- * Rows over time, bounded: once full, every second row goes, and from then on only every second comes in.
- * The newest row is always there.
+ * A bounded number of rows over time: once full, every second row is dropped, and from then on only every
+ * second row is added. The newest row is always kept.
  */
 export class History {
   readonly columns: number[][];
@@ -8,7 +8,7 @@ export class History {
   version = 0;
   private stride = 1;
   private seen = 0;
-  /** Whether the last row stands there only because it is the newest. */
+  /** Whether the last row is kept only because it is the newest. */
   private loose = false;
 
   constructor(
@@ -22,7 +22,7 @@ export class History {
     return this.columns[0]!.length;
   }
 
-  /** Add rows that stand one after another; rows that do not come after the last are left out. */
+  /** Add consecutive rows; rows that are not later than the last are left out. */
   push(rows: ArrayLike<number>): void {
     for (let start = 0; start + this.width <= rows.length; start += this.width) {
       const times = this.columns[0]!;

@@ -11,7 +11,7 @@ interface Events {
   look: null;
 }
 
-/** What the panels share: the definitions, the newest cell and frame, and a way to ask. */
+/** Shared by all panels: the definitions, the newest cell and frame, and a way to send requests. */
 export class Hub {
   cell: Cell | null = null;
   frame: Frame | null = null;
@@ -25,15 +25,15 @@ export class Hub {
     readonly toast: (sentence: string) => void,
   ) {}
 
-  /** The cell as it is now, for its address: a running cell is told only when something is asked. */
+  /** Update the cell, for its address: a running cell is described only on request. */
   async refresh(): Promise<void> {
     if (!this.cell?.playing) return;
-    const told = new Promise<void>((done) => {
+    const updated = new Promise<void>((done) => {
       this.waiting.push(done);
       setTimeout(done, 1000);
     });
     this.ask({ do: 'tell' });
-    await told;
+    await updated;
   }
 
   on<K extends keyof Events>(name: K, act: (value: Events[K]) => void): void {

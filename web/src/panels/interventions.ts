@@ -2,7 +2,7 @@ import type { Hub } from './hub';
 import { h, panel } from './dom';
 import { short } from './scales';
 
-/** What was done to this cell, and what will be. */
+/** The actions on this cell, past and to come. */
 export function interventions(hub: Hub): HTMLElement {
   const list = h('ol', { id: 'interventions', tabindex: 0, 'aria-label': 'What was done' });
   const none = h('p', { class: 'note' }, 'Nothing yet. Whatever you change, cut or add is listed here and kept in the address.');

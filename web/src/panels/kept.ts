@@ -12,6 +12,6 @@ export function keep(name: string, value: string): void {
   try {
     localStorage.setItem(`cyclosis-${name}`, value);
   } catch {
-    // A browser that keeps nothing still shows the choice.
+    // A browser that stores nothing still shows the choice.
   }
 }

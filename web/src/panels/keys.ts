@@ -6,7 +6,7 @@ export interface Keys {
   open(): void;
 }
 
-/** Keys for everything that is done often, and the list of them. */
+/** Keys for frequent actions, and a list of them. */
 export function keys(bindings: [key: string, text: string, act: () => void][]): Keys {
   const on = h('input', { type: 'checkbox', id: 'keys-on', checked: kept('keys') !== 'off', onchange: () => keep('keys', on.checked ? 'on' : 'off') });
   const close = h('button', { class: 'main', onclick: () => dialog.close(), autofocus: true }, 'Close');
@@ -14,7 +14,7 @@ export function keys(bindings: [key: string, text: string, act: () => void][]): 
     'dialog', { id: 'help', 'aria-labelledby': 'help-title' },
     h('h2', { id: 'help-title' }, 'Keys'),
     h('dl', {}, ...bindings.flatMap(([key, text]) => [h('dt', {}, h('kbd', {}, key === ' ' ? 'Space' : key)), h('dd', {}, text)]),
-      h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, 'on to the next control; in the phase diagram arrows move and Enter goes there')),
+      h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, 'next control; in the phase diagram arrow keys choose a point and Enter goes there')),
     h('p', {}, h('label', {}, on, ' these keys work everywhere on the page')),
     close,
   );

@@ -3,7 +3,7 @@ import type { Hub } from './hub';
 import { h, mathematics, panel } from './dom';
 
 type Table = 'grid' | 'initial' | 'run';
-/** A cell from the beginning, with the parameters that are set now. */
+/** A new cell, with the current parameters. */
 export function newCell(hub: Hub): HTMLElement {
   const { about } = hub;
   const entries = [
@@ -45,7 +45,7 @@ export function newCell(hub: Hub): HTMLElement {
   return panel(
     'new-cell', 'New cell', false,
     h('form', { onsubmit: begin, novalidate: true }, ...entries.map((e) => e.element),
-      h('p', { class: 'note' }, `At most ${about.limits.points} grid points each way. Begins at t = 0 with the parameters as they are set now.`),
+      h('p', { class: 'note' }, `At most ${about.limits.points} grid points in each direction. Begins at t = 0 with the current parameters.`),
       h('button', { id: 'begin', class: 'main', type: 'submit' }, 'Begin')),
   );
 }

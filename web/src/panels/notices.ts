@@ -1,6 +1,6 @@
 import { h } from './dom';
 
-/** One sentence at a time, for what was refused or failed. */
+/** One sentence at a time, when something was refused or failed. */
 export function toaster(): { element: HTMLElement; toast(sentence: string): void } {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const text = h('span');
@@ -18,17 +18,27 @@ export function toaster(): { element: HTMLElement; toast(sentence: string): void
   return { element, toast };
 }
 
-/** A lost connection, and the way back. */
-export function lostBanner(reconnect: () => void): { element: HTMLElement; show(sentence: string): void; hide(): void } {
+/** A lost connection, and a button to reconnect; the page also tries by itself unless it is `over`. */
+export function lostBanner(reconnect: () => void): {
+  element: HTMLElement;
+  show(sentence: string, over: boolean): void;
+  hide(): void;
+} {
   const text = h('span');
-  const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect }, 'Reconnect');
+  const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect });
   const element = h('div', { id: 'lost', role: 'alert', hidden: true }, text, ' ', button);
   return {
     element,
-    show: (sentence) => {
-      text.textContent = sentence;
+    show: (sentence, over) => {
+      const words = over ? sentence : `${sentence} Reconnecting…`;
+      // Announced once, however often it is tried.
+      if (text.textContent !== words) text.textContent = words;
+      button.textContent = over ? 'Continue' : 'Try now';
       element.hidden = false;
     },
-    hide: () => (element.hidden = true),
+    hide: () => {
+      element.hidden = true;
+      text.textContent = '';
+    },
   };
 }

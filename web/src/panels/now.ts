@@ -1,18 +1,25 @@
 import type { Hub } from './hub';
 import { h } from './dom';
+import { explain, table } from './explain';
 import { fromSlider, short, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
+import { numbers, pace, seen, TIME, title } from './words';
 
-/** What the cell is doing now, and the handles of time. */
+/** The state of the cell, and the controls of time. */
 export function now(hub: Hub): HTMLElement {
   const { about } = hub;
   const { ask } = hub;
   const name = h('strong', { id: 'regime-name' }, '…');
   const reason = h('span', { id: 'regime-reason' });
-  const regime = h('p', { id: 'regime' }, name, ' ', reason);
-  // The reason's numbers change at every frame: only another regime is read out.
+  const settling = h('span', { id: 'regime-pace' });
+  const more = explain('this state', () => {
+    const found = hub.frame?.regime;
+    return found ? [table(numbers(found)), h('p', { class: 'note' }, TIME)] : ['Nothing is known of this cell yet.'];
+  });
+  const regime = h('p', { id: 'regime' }, name, ' ', reason, ' ', settling);
+  // Numbers change at every frame: only a change of regime is read out.
   const spoken = h('p', { id: 'regime-spoken', class: 'hidden', role: 'status', 'aria-live': 'polite' });
-  const clock = h('output', { id: 'clock', 'aria-live': 'off', title: 'time in units of R/U' }, 't = 0');
+  const clock = h('output', { id: 'clock', 'aria-live': 'off' }, 't = 0');
   const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': 'catching up with the saved cell' });
 
   const play = h('button', { id: 'play', class: 'main', 'aria-pressed': 'false', onclick: () => toggle(hub) }, '▶ Play');
@@ -31,7 +38,7 @@ export function now(hub: Hub): HTMLElement {
     },
   });
   const describe = (wanted: number): void => {
-    value.textContent = `${short(wanted)} t/s`;
+    value.textContent = `${short(wanted)} R/U per s`;
     speed.setAttribute('aria-valuetext', `${short(wanted)} time units a second`);
   };
 
@@ -44,7 +51,7 @@ export function now(hub: Hub): HTMLElement {
     }
     if (cell.fresh) {
       name.textContent = '…';
-      reason.textContent = '';
+      reason.textContent = settling.textContent = '';
     }
     catchUp(cell.t);
     clock.textContent = time(cell.t);
@@ -58,16 +65,19 @@ export function now(hub: Hub): HTMLElement {
     clock.textContent = time(frame.t);
     catchUp(frame.t);
     if (!frame.regime) return;
-    if (name.textContent !== frame.regime.name) {
-      name.textContent = frame.regime.name;
-      spoken.textContent = `${frame.regime.name}: ${frame.regime.reason}`;
+    const [called, sentence] = [title(frame.regime), seen(frame.regime, frame.profile_P)];
+    if (name.textContent !== called) {
+      name.textContent = called;
+      spoken.textContent = `${called}: ${sentence}`;
     }
-    if (reason.textContent !== frame.regime.reason) reason.textContent = frame.regime.reason;
+    if (reason.textContent !== sentence) reason.textContent = sentence;
+    const settles = pace(frame.regime);
+    if (settling.textContent !== settles) settling.textContent = settles;
   });
 
   return h(
     'section', { id: 'now', 'aria-label': 'The cell now' },
-    h('div', { class: 'row spread' }, regime, spoken, clock),
+    h('div', { class: 'state' }, regime, spoken, h('span', { class: 'row clock' }, clock, more)),
     catching,
     h('div', { class: 'row' }, play, step, seed),
     h('div', { class: 'row speed' }, h('label', { for: 'speed' }, 'Speed'), speed, value),

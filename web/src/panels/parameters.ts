@@ -1,10 +1,12 @@
 import type { Definition, Values } from '../protocol';
 import type { Cell, Hub } from './hub';
 import { h, mathematics, panel } from './dom';
+import { explain } from './explain';
+import { plainly } from './plain';
 import { fromSlider, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
 
-/** Sliders and fields of all that can be changed in a living cell. */
+/** Sliders and fields for everything that can be changed in a living cell. */
 export function parameters(hub: Hub): HTMLElement {
   let pending: Values = {};
   const flush = throttle<null>(() => {
@@ -26,7 +28,7 @@ class Row {
   private readonly slider: HTMLInputElement | null = null;
   private readonly chip = h('span', { class: 'chip', hidden: true });
   private readonly reset: HTMLButtonElement;
-  /** Until when the hand, and not the server, says what stands here. */
+  /** Until when the visitor's input, and not the server, decides what is shown. */
   private held = 0;
   private own: number | boolean = 0;
 
@@ -54,8 +56,10 @@ class Row {
     this.reset = h('button', {
       id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': `reset ${name}`, onclick: () => this.set(this.own),
     }, '↺');
-    const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
-    this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, label, this.chip, this.slider, this.field, this.reset);
+    const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
+    const words = plainly(name);
+    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, words)]));
+    this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, head, this.chip, this.slider, this.field, this.reset);
   }
 
   show(cell: Cell): void {
@@ -64,7 +68,7 @@ class Row {
     this.own = (cell.setup.parameters[name] ?? fallback) as number | boolean;
     const special = cell.special[name];
     this.chip.hidden = !special;
-    this.chip.textContent = special === 'ramp' ? 'on a ramp' : 'differs from place to place';
+    this.chip.textContent = special === 'ramp' ? 'on a ramp' : 'varies in space';
     if (Date.now() < this.held && !cell.fresh) return;
     this.display(value as number | boolean);
   }
@@ -82,7 +86,7 @@ class Row {
     this.reset.title = `back to ${String(this.own)}`;
   }
 
-  /** A number that is half typed stays as it is until it is given or left. */
+  /** A number being typed stays as it is until it is entered or left. */
   private hold(): void {
     this.held = Infinity;
   }

@@ -8,7 +8,7 @@ export function borders(values: number[]): number[] {
   return [first, ...inner, 2 * values.at(-1)! - inner.at(-1)!];
 }
 
-/** The place of the cell that holds a value; the nearest for values outside. */
+/** The index of the cell that contains a value; the nearest for values outside. */
 export function cellOf(edges: number[], value: number): number {
   const k = edges.findIndex((edge) => value < edge);
   return k < 0 ? edges.length - 2 : Math.max(0, k - 1);
@@ -19,7 +19,7 @@ export function mix(from: string, to: string, share: number): string {
   return `rgb(${colourAt([[0, from], [1, to]], share).join(' ')})`;
 }
 
-/** Names of the parameters, other than the two axes, that are not as the diagram's. */
+/** Names of the parameters, other than the two axes, that differ from those of the diagram. */
 export function others(computed: Record<string, unknown>, now: Record<string, unknown>): string[] {
   return Object.keys(computed).filter((name) => name !== 'alpha_p' && name !== 'alpha_u' && now[name] !== undefined && now[name] !== computed[name]);
 }

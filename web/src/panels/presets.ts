@@ -8,7 +8,7 @@ const GROUPS: [Preset['group'], string][] = [
   ['experiments', 'Experiments'],
 ];
 
-/** Cells worth seeing, ready made. */
+/** Ready-made cells worth seeing. */
 export function presets(hub: Hub): HTMLElement {
   const text = h('p', { id: 'preset-text', class: 'note', 'aria-live': 'polite' });
   const own = h('option', { value: '' }, 'Your own cell');

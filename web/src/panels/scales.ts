@@ -6,7 +6,7 @@ export function isLogarithmic([low, high]: [number, number]): boolean {
   return low > 0 && high / low >= 100;
 }
 
-/** The place (0 to STEPS) of a value on a slider over `range`; values outside stand at an end. */
+/** The position (0 to STEPS) of a value on a slider over `range`; values outside are at an end. */
 export function toSlider(value: number, range: [number, number], logarithmic = isLogarithmic(range)): number {
   const [low, high] = range;
   if (high <= low) return 0;
@@ -16,7 +16,7 @@ export function toSlider(value: number, range: [number, number], logarithmic = i
   return Math.round(STEPS * Math.min(1, Math.max(0, share)));
 }
 
-/** The value at a place of a slider, rounded to what the place can tell apart. */
+/** The value at a position of a slider, rounded to the resolution of the slider. */
 export function fromSlider(place: number, range: [number, number], logarithmic = isLogarithmic(range)): number {
   const [low, high] = range;
   const share = Math.min(1, Math.max(0, place / STEPS));
@@ -26,11 +26,15 @@ export function fromSlider(place: number, range: [number, number], logarithmic =
   return Number(value.toPrecision(3));
 }
 
+const RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
+
 /** A number in few characters, for reading. */
 export function short(value: number, digits = 3): string {
   if (!Number.isFinite(value)) return '–';
   if (value === 0) return '0';
   const size = Math.abs(value);
-  if (size < 1e-3 || size >= 1e5) return value.toExponential(Math.max(0, digits - 1)).replace('-', '−');
-  return String(Number(value.toPrecision(digits))).replace('-', '−');
+  if (size >= 1e-3 && size < 1e5) return String(Number(value.toPrecision(digits))).replace('-', '−');
+  const [factor, power] = value.toExponential(Math.max(0, digits - 1)).split('e') as [string, string];
+  const raised = [...String(Math.abs(Number(power)))].map((digit) => RAISED[Number(digit)]).join('');
+  return `${String(Number(factor)).replace('-', '−')}·10${Number(power) < 0 ? '⁻' : ''}${raised}`;
 }

@@ -1,6 +1,6 @@
 /**
- * Frames that came and were not yet said to be seen. The server sends only so many ahead, so each must be
- * answered once: also those that a newer one, or another cell, took the place of.
+ * Frames that have arrived and are not yet confirmed as seen. The server sends only so many ahead, so each must
+ * be confirmed once, including those replaced by a newer one or by another cell.
  */
 export class Unseen {
   private waiting: number[] = [];
@@ -11,7 +11,7 @@ export class Unseen {
     this.waiting.push(frame);
   }
 
-  /** All up to this one are done with. */
+  /** Confirm all up to this one. */
   drawn(frame: number): void {
     const place = this.waiting.lastIndexOf(frame);
     for (const done of this.waiting.splice(0, place + 1)) this.say(done);

@@ -1,4 +1,4 @@
-/** Time units a second, as shown over the last `span` milliseconds. */
+/** Time units per second, as shown over the last `span` milliseconds. */
 export class SpeedMeter {
   private seen: [wall: number, t: number][] = [];
 

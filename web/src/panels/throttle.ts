@@ -1,4 +1,4 @@
-/** Call `act` at most once in `wait` milliseconds, at once when idle, and always with the last value. */
+/** Call `act` at most once per `wait` milliseconds, at once when idle, and always with the last value. */
 export function throttle<T>(act: (value: T) => void, wait: number): ((value: T) => void) & { flush(): void } {
   let last = -Infinity;
   let timer: ReturnType<typeof setTimeout> | null = null;
@@ -21,7 +21,7 @@ export function throttle<T>(act: (value: T) => void, wait: number): ((value: T) 
   return Object.assign(call, { flush: fire });
 }
 
-/** Call `act` once nothing was asked for `wait` milliseconds. */
+/** Call `act` once there have been no calls for `wait` milliseconds. */
 export function debounce(act: () => void, wait: number): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   return () => {

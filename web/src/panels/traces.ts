@@ -2,16 +2,21 @@ import uPlot from 'uplot';
 import type { Trace } from '../protocol';
 import type { Hub } from './hub';
 import { h, mathematics } from './dom';
+import { explain } from './explain';
 import { History } from './history';
-import { short } from './scales';
+import { lineOf } from './lines';
+import { roomBeyond, roomFor, tickTexts } from './ticks';
+import { charted } from './words';
 
 const SHARED: [RegExp, string][] = [
   [/^mean_P/, 'mean P'],
   [/power|dissipation/, 'power'],
 ];
-const COLOURS = ['--up', '--down', '--ink', '--quiet'];
+const FONT = '11px system-ui, sans-serif';
+/** Opacity of the area between a curve and zero, as the last two digits of a colour. */
+const WASH = '40';
 
-/** Which columns share a chart: directions of one vector, and all that is power. */
+/** Which columns share a chart: components of one vector, and all powers. */
 export function grouped(traces: Trace[]): { title: string; columns: number[] }[] {
   const groups = new Map<string, number[]>();
   traces.forEach(({ name }, k) => {
@@ -21,36 +26,46 @@ export function grouped(traces: Trace[]): { title: string; columns: number[] }[]
   return [...groups].map(([title, columns]) => ({ title, columns }));
 }
 
-/** A symbol without the brackets of its mean, which the title says. */
+/** A symbol without the brackets of its mean, which the title mentions. */
 const plain = (symbol: string): string => symbol.replace(/[<>⟨⟩]/g, '').replace('theta', 'θ');
+
+/** A curve: the quantity, and its symbol where several share a chart. */
+type Curve = [quantity: string, symbol: string];
 
 /** The recorded numbers over time, and the mean along the axis against the angle. */
 export function traces(hub: Hub): HTMLElement {
   const { traces: recorded } = hub.about;
   const history = new History(recorded.length + 1);
   const hosts: [HTMLElement, uPlot, () => uPlot.AlignedData][] = [];
-  const add = (title: string, tip: string, x: string, lines: [string, string][], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
+  const add = (title: string, meanings: string[], x: string, curves: Curve[], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
     const host = h('div', { class: 'plot' });
-    const keys = lines.map(([name, colour]) => h('span', { class: 'key', style: `--line: var(${colour})` }, name && mathematics(name)));
-    const figure = h('figure', { class: 'chart', title: tip }, h('figcaption', {}, h('strong', {}, title), ' ', ...keys), host);
-    hosts.push([host, chart(host, x, lines, range), data]);
+    const keys = curves.filter(([, symbol]) => symbol).map(([quantity, symbol]) => {
+      const { colour, dash } = lineOf(quantity);
+      return h('span', { class: 'key', style: `--line: var(${colour}); --dash: ${dash.length ? 'dashed' : 'solid'}` }, mathematics(symbol));
+    });
+    const words = explain(title, () => [
+      ...charted(title).map((sentence) => h('p', {}, sentence)),
+      h('p', { class: 'note' }, `As the package records it: ${meanings.join('; ')}.`),
+    ]);
+    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), words, ...keys), host);
+    hosts.push([host, chart(host, x, curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
   const pick = (k: number): Trace => recorded[k - 1]!;
   const charts = grouped(recorded).map(({ title, columns }) =>
-    add(title, columns.map((k) => pick(k).meaning).join('; '), 't',
-      columns.map((k, i) => [columns.length > 1 ? plain(pick(k).symbol) : '', COLOURS[i % COLOURS.length]!]),
+    add(title, columns.map((k) => pick(k).meaning), 't',
+      columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
       () => [history.columns[0]!, ...columns.map((k) => history.columns[k]!)] as uPlot.AlignedData));
 
   let angles = new Float64Array();
-  const profile = add('profile', 'means along the axis against the angle θ', 'θ', [['P_z', '--up'], ['u_z', '--down']], () => {
+  const profile = add('profile', ['means along the axis against the angle θ'], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
     const frame = hub.frame;
     if (!frame) return [[], [], []];
     if (angles.length !== frame.n_theta) angles = Float64Array.from({ length: frame.n_theta }, (_, i) => (2 * Math.PI * i) / frame.n_theta);
     return [angles, frame.profile_P, frame.profile_u] as unknown as uPlot.AlignedData;
   }, [-1, 1]);
 
-  // Ten times a second is enough for curves, and leaves time for the cell itself.
+  // Ten times per second is enough for curves, and leaves time for the cell itself.
   let waiting = false;
   const redraw = (): void => {
     if (waiting) return;
@@ -80,28 +95,62 @@ export function traces(hub: Hub): HTMLElement {
   return h('section', { id: 'charts', 'aria-label': 'Traces over time' }, ...charts, profile);
 }
 
-function chart(host: HTMLElement, x: string, lines: [string, string][], range?: [number, number]): uPlot {
-  const style = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const style = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** The width of a text in the font of the charts, in CSS pixels. */
+const measured = ((): ((text: string) => number) => {
+  let pen: CanvasRenderingContext2D | null = null;
+  return (text) => {
+    pen ??= document.createElement('canvas').getContext('2d');
+    if (!pen) return 7 * text.length;
+    pen.font = FONT;
+    return pen.measureText(text).width;
+  };
+})();
+
+function chart(host: HTMLElement, x: string, quantities: string[], range?: [number, number]): uPlot {
   const axis = (): uPlot.Axis => ({
     stroke: () => style('--soft'),
     grid: { stroke: () => style('--line'), width: 1 },
     ticks: { show: false },
-    font: '11px system-ui, sans-serif',
+    font: FONT,
     gap: 3,
   });
+  const below = (ticks: number[]): string[] =>
+    range ? ['0', `${x} = π`, '2π'] : ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4))));
+  let last: string[] = [];
   return new uPlot({
     width: 200,
     height: 90,
     legend: { show: false },
     cursor: { show: false },
-    padding: [6, 16, 0, 0],
+    padding: [6, () => roomBeyond(last, measured), 0, 0],
     scales: { x: { time: false, ...(range ? { range: [0, 2 * Math.PI] } : {}) }, y: range ? { range: (_, low, high) => [Math.min(range[0], low ?? 0), Math.max(range[1], high ?? 0)] } : {} },
     axes: [
-      range
-        ? { ...axis(), size: 22, splits: () => [0, Math.PI, 2 * Math.PI], values: () => ['0', `${x} = π`, '2π'] }
-        : { ...axis(), size: 22, space: 44, values: (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4)))) },
-      { ...axis(), size: 40, space: 22, values: (_, ticks) => ticks.map((tick) => short(+tick.toPrecision(6))) },
+      {
+        ...axis(), size: 22, values: (_, ticks) => (last = below(ticks)),
+        ...(range ? { splits: () => [0, Math.PI, 2 * Math.PI] } : { space: 44 }),
+      },
+      { ...axis(), size: (_, texts) => roomFor(texts ?? [], measured), space: 22, values: (_, ticks) => tickTexts(ticks) },
     ],
-    series: [{}, ...lines.map(([, colour]) => ({ stroke: () => style(colour), width: 1.6, points: { show: false } }))],
-  }, [[], ...lines.map(() => [])] as unknown as uPlot.AlignedData, host);
+    series: [{}, ...quantities.map((quantity) => {
+      const { colour, dash, upright } = lineOf(quantity);
+      return {
+        stroke: () => style(colour), width: 1.6, dash, points: { show: false },
+        ...(upright ? { fill: directions, fillTo: 0 } : {}),
+      };
+    })],
+  }, [[], ...quantities.map(() => [])] as unknown as uPlot.AlignedData, host);
+}
+
+/** The colours of up above zero and of down below it, with a sharp border. */
+function directions(plot: uPlot): CanvasGradient {
+  const { top, height } = plot.bbox;
+  const wash = plot.ctx.createLinearGradient(0, top, 0, top + height);
+  const zero = (plot.valToPos(0, 'y', true) - top) / height;
+  const border = Number.isFinite(zero) ? Math.min(1, Math.max(0, zero)) : 0.5;
+  for (const [at, name] of [[0, '--up'], [border, '--up'], [border, '--down'], [1, '--down']] as const) {
+    wash.addColorStop(at, style(name) + WASH);
+  }
+  return wash;
 }

@@ -1,4 +1,4 @@
-// Strokes of a brush: points dense enough to join, sent in batches.
+// Strokes of a brush: points dense enough to overlap, sent in batches.
 
 export type Point = [number, number];
 
@@ -30,7 +30,7 @@ export class Stroke {
     this.sent = now;
   }
 
-  /** Add a point, and those between it and the one before, over the seam where that is shorter. */
+  /** Add a point, and those between it and the previous one, across the seam if that is shorter. */
   add(point: Point, now: number): void {
     if (this.last) {
       const [theta, z] = this.last;
@@ -39,7 +39,7 @@ export class Stroke {
       const step = Math.max(this.radius / 2.5, 0.02);
       const distance = Math.hypot(dx, dz);
       if (distance < step) return;
-      // A hand that lifts off the cell and comes back elsewhere has not painted in between.
+      // A pointer that leaves the cell and returns elsewhere has not painted in between.
       const pieces = distance > 2 ? 1 : Math.ceil(distance / step);
       for (let k = 1; k <= pieces; k++) {
         this.waiting.push([wrap(theta + (k / pieces) * dx, TURN), wrap(z + (k / pieces) * dz, this.length)]);
@@ -48,7 +48,7 @@ export class Stroke {
       this.waiting.push([wrap(point[0], TURN), wrap(point[1], this.length)]);
     }
     this.last = point;
-    // The newest point stays behind, so that the end of a stroke always has one to send.
+    // The newest point is held back, so that there is always one to send at the end of a stroke.
     if (now - this.sent >= PAUSE && this.waiting.length > 1) {
       this.send(this.waiting.splice(0, this.waiting.length - 1));
       this.sent = now;

@@ -23,7 +23,7 @@ export class Pieces {
 
 /**
  * Find where `values` (value at y * width + x, periodic in both) pass through zero. `strength` is read at the
- * same points; pieces below `least` are left out, which keeps disorder from being all lines.
+ * same points; pieces below `least` are left out, so that disorder is not full of lines.
  */
 export function zeroLines(
   values: Float32Array,
@@ -72,7 +72,7 @@ export function zeroLines(
           out.add(x, left, high, y + 1, s);
           break;
         case 5: {
-          // Saddle: the middle tells which corners are joined.
+          // Saddle: the middle decides which corners are joined.
           const joined = a + b + c + d > 0 === a > 0;
           out.add(low, y, joined ? x + 1 : x, joined ? far : left, s);
           out.add(high, y + 1, joined ? x : x + 1, joined ? left : far, s);

@@ -1,4 +1,4 @@
-// What a hand on the cylinder or the map does: turn the cell or paint on it.
+// Pointer and keyboard input on the cylinder or the map: turning the cell or painting on it.
 
 import { Stroke, wrap, type Point } from './brush';
 import type { BrushMark } from './cylinder';
@@ -23,7 +23,7 @@ export class Control {
     private readonly map: UnwrappedMap,
     private readonly view: View,
     private readonly fields: Fields,
-    /** Something that is seen has changed. */
+    /** Called when something visible has changed. */
     private readonly changed: () => void,
   ) {
     let painting = false;
@@ -143,7 +143,7 @@ export class Control {
     this.changed();
   }
 
-  /** Only for the keyboard: a click shows its own brush. */
+  /** Only for the keyboard: a click shows the brush by itself. */
   private showCursor(): void {
     if (this.map.moving.matches(':focus-visible')) this.point([this.mark.theta, this.mark.z]);
   }

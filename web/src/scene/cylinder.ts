@@ -33,7 +33,7 @@ export class Cylinder {
   private readonly colours: THREE.DataTexture;
   private version = -1;
 
-  /** Throws where WebGL 2 is not to be had. */
+  /** Throws if WebGL 2 is not available. */
   constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean, software: boolean) {
     this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !software, stencil: false });
     this.renderer.setClearColor(0, 0);

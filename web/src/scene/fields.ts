@@ -1,8 +1,9 @@
-// The last two frames, laid out for drawing, and the passage from one to the other.
+// The last two frames, laid out for drawing, and the transition from one to the other.
 
 import type { Frame } from '../protocol';
+import { Contrast } from './contrast';
 
-/** Milliseconds between frames that are believed; longer gaps are pauses, not a rhythm. */
+/** Milliseconds between frames that count towards the mean interval; longer gaps are pauses. */
 const BRIEFEST = 16;
 const LONGEST = 1500;
 
@@ -15,9 +16,9 @@ export class Fields {
   largest = 0;
   /** Number of the newest frame, -1 without any. */
   frame = -1;
-  /** Counts frames taken, so that others see when something is new. */
+  /** Counts frames, so that others see when something is new. */
   version = 0;
-  /** Four values a point: P_z and |P| before, P_z and |P| now. */
+  /** Four values per point: P_z and the contrast around it before, and both now. */
   order = new Float32Array(0);
   /** Flow at the moment of the last `blend`: u_theta, u_z for each point. */
   flow = new Float32Array(0);
@@ -27,6 +28,7 @@ export class Fields {
 
   private before = new Float32Array(0);
   private now = new Float32Array(0);
+  private contrast = new Contrast(1, 1, 1);
   private arrived = 0;
   private interval = 60;
 
@@ -34,7 +36,7 @@ export class Fields {
     return this.frame < 0;
   }
 
-  /** Take a new frame at time `at` (ms); what is seen then is where the passage to it begins. */
+  /** Add a new frame at time `at` (ms); the transition to it begins with the present picture. */
   take(frame: Frame, at: number): void {
     const points = frame.n_theta * frame.n_z;
     const another =
@@ -49,15 +51,17 @@ export class Fields {
       this.n_theta = frame.n_theta;
       this.n_z = frame.n_z;
       this.length = frame.length;
+      this.contrast = new Contrast(frame.n_theta, frame.n_z, frame.length);
     }
     const { order, before, now } = this;
-    const { P_theta, P_z, u_theta, u_z } = frame;
+    const { P_z, u_theta, u_z } = frame;
+    const contrast = this.contrast.of(P_z);
     const m = another ? 0 : this.mixing(at);
     for (let p = 0, q = 0, r = 0; p < points; p++, q += 4, r += 2) {
       order[q] += m * (order[q + 2] - order[q]);
       order[q + 1] += m * (order[q + 3] - order[q + 1]);
       order[q + 2] = P_z[p];
-      order[q + 3] = Math.sqrt(P_theta[p] * P_theta[p] + P_z[p] * P_z[p]);
+      order[q + 3] = contrast[p];
       before[r] += m * (now[r] - before[r]);
       before[r + 1] += m * (now[r + 1] - before[r + 1]);
       now[r] = u_theta[p];
@@ -82,12 +86,12 @@ export class Fields {
     this.version++;
   }
 
-  /** How far the passage has come at time `at` (ms), from 0 to 1. */
+  /** The progress of the transition at time `at` (ms), from 0 to 1. */
   mixing(at: number): number {
     return Math.min(1, Math.max(0, (at - this.arrived) / this.interval));
   }
 
-  /** Bring `flow` to where the passage is. */
+  /** Set `flow` to a point of the transition. */
   blend(mixing: number): void {
     const { flow, before, now } = this;
     for (let r = 0; r < flow.length; r++) flow[r] = before[r] + mixing * (now[r] - before[r]);

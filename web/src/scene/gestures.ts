@@ -10,7 +10,7 @@ export interface Hand {
   pinch(factor: number, y: number): void;
 }
 
-/** Tell `hand` what pointers do on a canvas. */
+/** Report to `hand` what pointers do on a canvas. */
 export function listen(canvas: HTMLElement, hand: Hand): void {
   const pointers = new Map<number, [number, number]>();
   let dragging = false;

@@ -69,7 +69,7 @@ export class Enlarger {
     this.line = new Float32Array(n_z);
   }
 
-  /** Point p has its value before at `values[4 * p + offset]` and that of now two further on. */
+  /** Point p has its value before at `values[4 * p + offset]` and the present one two further. */
   enlarge(values: Float32Array, offset: number, mixing: number, out: Float32Array): void {
     const { n_theta, n_z, width, height, columns, line } = this;
     let { index, weight } = this.along;

@@ -14,7 +14,7 @@ const NARROWEST = 72;
 const SERIF = "'STIX Two Text', 'STIXGeneral', 'Latin Modern Roman', Georgia, 'Times New Roman', serif";
 
 export class UnwrappedMap {
-  /** What changes with the frame, and over it what moves. */
+  /** The parts that change with each frame, and over them the moving ones. */
   readonly still = document.createElement('canvas');
   readonly moving = document.createElement('canvas');
   readonly raster: Raster;
@@ -35,7 +35,7 @@ export class UnwrappedMap {
     this.zone = palette.zone;
   }
 
-  /** CSS pixels a radius, across. */
+  /** CSS pixels per radius, horizontally. */
   get scale(): number {
     return this.box.width / TURN;
   }
@@ -62,7 +62,7 @@ export class UnwrappedMap {
     box.y = MARGIN.top + (up - box.height) / 2;
   }
 
-  /** The [theta, z] at a pixel; outside the nearest edge, or null if `strict`. */
+  /** The [theta, z] at a pixel; outside, that of the nearest edge, or null if `strict`. */
   pick(x: number, y: number, strict: boolean): [number, number] | null {
     const { box } = this;
     const across = (x - box.x) / box.width;
@@ -73,12 +73,12 @@ export class UnwrappedMap {
   }
 
   layStreamlines(fields: Fields): void {
-    // A finger's breadth apart, whatever the size of the cell.
+    // The same distance apart on the screen for any size of the cell.
     this.lines.lay(fields, Math.max(0.2, 30 / this.scale));
   }
 
   drawStill(fields: Fields, mixing: number): void {
-    // Kept by the processor: many thin lines are its work, and without a graphics card nothing else is quick.
+    // Kept in main memory: the processor draws many thin lines fastest, and without a graphics card everything.
     const context = this.still.getContext('2d', { willReadFrequently: true })!;
     const { box, ratio } = this;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -114,7 +114,7 @@ export class UnwrappedMap {
         [low, high] = [Math.min(low, x), Math.max(high, x)];
         [bottom, top] = [Math.min(bottom, y), Math.max(top, y)];
       }
-      // Copies over the seams.
+      // Copies across the seams.
       for (let i = low < 0 ? 1 : 0; i >= (high >= TURN ? -1 : 0); i--) {
         for (let j = bottom < 0 ? 1 : 0; j >= (top >= this.length ? -1 : 0); j--) {
           this.taper(context, first, broad, box.x + i * box.width, box.y + box.height - j * box.height, sx, sy);
@@ -221,7 +221,7 @@ export class UnwrappedMap {
     const row = 4 * count;
     context.strokeStyle = '#fff';
     context.lineCap = 'butt';
-    // Few strokes of many pieces: by opacity and by place along the trail.
+    // Few strokes of many pieces, grouped by opacity and by position along the trail.
     const parts: [number, number][] = [[0, 2], [2, 4], [4, 6], [6, TRAIL - 1]];
     for (const [dim, bright] of [[0.1, 0.55], [0.55, 2]]) {
       parts.forEach(([from, to], part) => {

@@ -1,4 +1,4 @@
-// Tracer particles that the flow carries, shared by the cylinder and the map.
+// Tracer particles that move with the flow, shared by the cylinder and the map.
 
 import type { Fields } from './fields';
 import { flowAt } from './interpolate';
@@ -6,10 +6,10 @@ import { flowAt } from './interpolate';
 /** Positions in a trail, the head included, and seconds between them. */
 export const TRAIL = 9;
 const BETWEEN = 0.085;
-/** Radii a second at the peak of the flow; more in cells longer than LONG, which are drawn smaller. */
+/** Radii per second at the peak of the flow; more in cells longer than LONG, which are drawn smaller. */
 const PACE = 0.6;
 const LONG = 12;
-/** Below this share of the largest flow seen, particles slow with it, so that arrest is seen as arrest. */
+/** Below this share of the largest flow so far, particles slow down with it, so that arrest is visible. */
 const SLOWS_BELOW = 0.15;
 const FADE = 0.6;
 
@@ -19,7 +19,7 @@ export class Particles {
   readonly count: number;
   /** Row k holds the positions k steps ago: theta, z, opacity, share of the peak speed. Unwrapped along a trail. */
   readonly data: Float32Array;
-  /** How far the time to the next row has passed, 0 to 1. */
+  /** The share of the time to the next row that has passed, 0 to 1. */
   phase = 0;
 
   private readonly age: Float32Array;
@@ -40,7 +40,7 @@ export class Particles {
     this.life = new Float32Array(count);
   }
 
-  /** Spread anew over a cell; ages differ, so that they do not all fade at once. */
+  /** Spread all particles over a cell; ages differ, so that they do not all fade at once. */
   scatter(length: number): void {
     this.length = length;
     for (let n = 0; n < this.count; n++) {
@@ -49,7 +49,7 @@ export class Particles {
     }
   }
 
-  /** Move by `dt` seconds of wall time in the flow as last blended. */
+  /** Move by `dt` seconds of real time in the flow as last blended. */
   step(fields: Fields, dt: number): void {
     if (fields.length !== this.length) this.scatter(fields.length);
     const reference = Math.max(fields.peak, SLOWS_BELOW * fields.largest);

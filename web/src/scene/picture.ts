@@ -1,6 +1,6 @@
-// The picture to keep: cylinder beside map, as seen.
+// The picture to save: cylinder and map side by side, as shown.
 
-/** Draw groups of canvases beside each other on the background of the page. */
+/** Draw groups of canvases side by side on the background of the page. */
 export async function beside(groups: HTMLCanvasElement[][], behind: HTMLElement): Promise<Blob> {
   const sizes = groups.map((group) => ({
     width: Math.max(...group.map((canvas) => canvas.width)),

@@ -1,11 +1,11 @@
-// How many pictures a second are drawn, and how many pixels that leaves.
+// How many pictures per second are drawn, and how many pixels they may have.
 
 const RATIOS = [2, 1, 0.75];
 const SLOW = 20;
 
 export class Quality {
   frames = 0;
-  /** Device pixels for a CSS pixel, at most. */
+  /** Most device pixels per CSS pixel. */
   limit = RATIOS[0];
 
   private readonly times: number[] = [];
@@ -13,7 +13,7 @@ export class Quality {
   private drawn = 0;
   private slow = 0;
 
-  /** Count a picture drawn at `now` (ms), `since` the one before; true when the limit has become lower. */
+  /** Count a picture drawn at `now` (ms), `since` the previous one; true if the limit was lowered. */
   count(now: number, since: number): boolean {
     this.frames++;
     this.times.push(now);
@@ -25,7 +25,7 @@ export class Quality {
     this.slow = (1000 * this.drawn) / this.busy < SLOW ? this.slow + 1 : 0;
     this.busy = 0;
     this.drawn = 0;
-    // A slow second or two may be the page that loads.
+    // A slow second or two may be due to loading the page.
     if (this.slow < 3) return false;
     this.slow = 0;
     const lower = RATIOS.find((ratio) => ratio < Math.min(this.limit, window.devicePixelRatio || 1));
@@ -45,11 +45,11 @@ export class Quality {
   }
 }
 
-/** Whether WebGL runs on the processor: multisampling then costs more than it shows, and so do many particles. */
+/** Whether WebGL runs on the processor: multisampling and many particles then cost more than they are worth. */
 export function inSoftware(): boolean {
   const context = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
   if (context === null) return true;
-  // Not every browser counts it as a caveat; the renderer's name tells.
+  // Not every browser counts it as a caveat; the renderer's name is reliable.
   const names = context.getExtension('WEBGL_debug_renderer_info');
   const renderer = String(context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER));
   context.getExtension('WEBGL_lose_context')?.loseContext();

@@ -2,16 +2,13 @@
 
 import type { Palette } from '../protocol';
 import { Pieces, zeroLines } from './contours';
+import { FAINT, weight } from './contrast';
 import type { Fields } from './fields';
 import { Enlarger } from './interpolate';
 import { paletteTable } from './palette';
 
 const COLOURS = 1024;
 const LARGEST = 256;
-
-/** Zone lines fade in between these |P|. */
-const FAINT = 0.06;
-const FULL = 0.2;
 
 export class Raster {
   readonly canvas = document.createElement('canvas');
@@ -21,7 +18,7 @@ export class Raster {
   private image: ImageData | null = null;
   private bytes = new Uint32Array(0);
   private P_z = new Float32Array(0);
-  private size = new Float32Array(0);
+  private contrast = new Float32Array(0);
   private colours = new Uint32Array(0);
 
   constructor(palette: Palette) {
@@ -35,19 +32,19 @@ export class Raster {
   draw(fields: Fields, mixing: number): void {
     const { n_theta, n_z } = fields;
     if (this.enlarger?.n_theta !== n_theta || this.enlarger.n_z !== n_z) this.resize(n_theta, n_z);
-    const { P_z, size, colours, bytes, canvas } = this;
+    const { P_z, contrast, colours, bytes, canvas } = this;
     this.enlarger!.enlarge(fields.order, 0, mixing, P_z);
-    this.enlarger!.enlarge(fields.order, 1, mixing, size);
+    this.enlarger!.enlarge(fields.order, 1, mixing, contrast);
     const half = (COLOURS - 1) / 2;
     for (let q = 0; q < bytes.length; q++) {
       const k = (half * (1 + P_z[q]) + 0.5) | 0;
       bytes[q] = colours[k < 0 ? 0 : k >= COLOURS ? COLOURS - 1 : k];
     }
     this.context.putImageData(this.image!, 0, 0);
-    zeroLines(P_z, canvas.width, canvas.height, size, FAINT, this.zones);
+    zeroLines(P_z, canvas.width, canvas.height, contrast, FAINT, this.zones);
   }
 
-  /** Draw the zone lines to a box; pieces over a seam are drawn at both of its sides. */
+  /** Draw the zone lines into a box; pieces across a seam are drawn on both sides of it. */
   stroke(target: CanvasRenderingContext2D, x: number, y: number, width: number, height: number, colour: string): void {
     const { zones, canvas } = this;
     const sx = width / canvas.width;
@@ -59,8 +56,7 @@ export class Raster {
       target.beginPath();
       let any = false;
       for (let n = 0, k = 0; n < zones.count; n++, k += 5) {
-        const strength = Math.min(1, (zones.data[k + 4] - FAINT) / (FULL - FAINT));
-        if (Math.ceil(levels * strength) !== level) continue;
+        if (Math.ceil(levels * weight(zones.data[k + 4])) !== level) continue;
         any = true;
         const [x0, y0, x1, y1] = [zones.data[k], zones.data[k + 1], zones.data[k + 2], zones.data[k + 3]];
         const again = Math.max(x0, x1) > canvas.width - 1;
@@ -87,7 +83,7 @@ export class Raster {
     this.image = this.context.createImageData(width, height);
     this.bytes = new Uint32Array(this.image.data.buffer);
     this.P_z = new Float32Array(width * height);
-    this.size = new Float32Array(width * height);
+    this.contrast = new Float32Array(width * height);
     this.enlarger = new Enlarger(n_theta, n_z, width, height);
   }
 }

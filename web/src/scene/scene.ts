@@ -1,4 +1,4 @@
-// The cell as it is seen: the cylinder and the unwrapped map, drawn from the frames of the server.
+// The picture of the cell: the cylinder and the unwrapped map, drawn from the frames of the server.
 
 import type { Frame, Palette } from '../protocol';
 import { Control, type Tool } from './control';
@@ -17,16 +17,16 @@ export interface SceneOptions {
   map: HTMLElement;
   palette: Palette;
   dark: boolean;
-  /** Told to the visitor. */
+  /** Shows a sentence to the visitor. */
   notice(sentence: string): void;
 }
 
-/** Milliseconds between redrawings of the map's colours, and of its streamlines. */
+/** Milliseconds between redraws of the map's colours, and of its streamlines. */
 const MAP_EVERY = 60;
 const LINES_EVERY = 330;
-/** Milliseconds that an answer is waited for. */
+/** Most milliseconds to wait for an answer. */
 const PATIENCE = 150;
-/** Tracer particles; few for eyes that want calm, and where a processor draws them. */
+/** Tracer particles; few for visitors who prefer less motion, and if the processor draws them. */
 const MANY = 900;
 const FEW = 300;
 
@@ -45,14 +45,15 @@ export class Scene {
   private cylinder: Cylinder | null = null;
   private lost = false;
   private readonly software: boolean;
-  /** Nothing is drawn before this time; 0 once something was. */
+  /** Nothing is drawn before this time, to make room for an answer; `owed` until something was drawn. */
   private waits = 0;
+  private owed = false;
 
   private last = 0;
   private lastShown = -1;
   private mapped = { at: 0, version: -1, mixing: -1 };
   private linesAt = 0;
-  /** Something other than the cell has changed: the map anew, everything anew. */
+  /** Something other than the cell has changed: redraw the map, or everything. */
   private stale = true;
   private dirty = true;
 
@@ -102,14 +103,16 @@ export class Scene {
   }
 
   /**
-   * Something was asked of the cell. A processor that draws has no time to compute and to listen: it leaves off
-   * until the answer is there.
+   * A change of the cell was requested. If the processor does the drawing, drawing pauses until the answer arrives,
+   * since it would compete with computing.
    */
   expect(): void {
-    if (this.software && !this.waits) this.waits = performance.now() + PATIENCE;
+    if (!this.software || this.owed) return;
+    this.waits = performance.now() + PATIENCE;
+    this.owed = true;
   }
 
-  /** Show the next frame as soon as it comes, without a passage: it answers an action. */
+  /** Show the next frame as soon as it arrives, without a transition: it answers an action. */
   hurry(): void {
     this.fields.hurried = true;
   }
@@ -117,7 +120,7 @@ export class Scene {
   show(frame: Frame): void {
     const { length } = this.fields;
     const first = this.fields.empty;
-    if (this.fields.hurried) this.waits = Math.min(this.waits, 1);
+    if (this.fields.hurried) this.waits = 0;
     this.fields.take(frame, performance.now());
     if (first || frame.length !== length) {
       this.view.length = frame.length;
@@ -153,7 +156,7 @@ export class Scene {
   }
 
   async png(): Promise<Blob> {
-    // Drawn in the same breath: the browser keeps no WebGL picture for later.
+    // Drawn immediately before: the browser does not keep a WebGL picture.
     this.draw(performance.now(), true);
     const map = [this.map.still, this.map.moving];
     const groups = this.cylinder && !this.lost ? [[this.canvas], map] : [map];
@@ -161,9 +164,9 @@ export class Scene {
   }
 
   private readonly onLost = (event: Event): void => {
-    event.preventDefault(); // or it never comes back
+    event.preventDefault(); // otherwise it is never restored
     this.lost = true;
-    this.options.notice('The browser has taken the cylinder away for the moment; the map goes on.');
+    this.options.notice('The browser cannot draw the cylinder at the moment; the map continues.');
   };
 
   private readonly onRestored = (): void => {
@@ -185,7 +188,7 @@ export class Scene {
     const since = now - this.last;
     const { fields } = this;
     if (now < this.waits) return;
-    // Without a change nothing is drawn: a cell that is paused costs nothing.
+    // Nothing is drawn without a change: a paused cell costs nothing.
     const moves = this.playing && !fields.empty;
     const passes = this.mapped.version !== fields.version || this.mapped.mixing < 1;
     if (!moves && !this.dirty && !(passes && !fields.empty)) return;
@@ -201,8 +204,7 @@ export class Scene {
 
   private draw(now: number, everything: boolean): void {
     const { fields, map, view, control, mapped } = this;
-    this.dirty = false;
-    this.waits = 0;
+    this.dirty = this.owed = false;
     const mixing = fields.mixing(now);
     fields.blend(mixing);
     const changed = mapped.version !== fields.version || mapped.mixing !== mixing;
@@ -220,7 +222,7 @@ export class Scene {
   }
 }
 
-/** Lay canvases over each other so that they fill their host. */
+/** Stack canvases so that they fill their host. */
 function place(host: HTMLElement, ...canvases: HTMLCanvasElement[]): void {
   if (getComputedStyle(host).position === 'static') host.style.position = 'relative';
   for (const canvas of canvases) {

@@ -1,5 +1,7 @@
 // Shaders of the cylinder, its ends and the particles on it.
 
+import { FAINT, PLAIN } from './contrast';
+
 export const surfaceVertex = /* glsl */ `
 in vec2 place; // theta, and height from 0 to 1
 uniform mat4 toScreen;
@@ -17,7 +19,7 @@ export const surfaceFragment = /* glsl */ `
 precision highp float;
 precision highp int;
 precision highp sampler2D;
-uniform sampler2D order;   // P_z, |P| before; P_z, |P| now
+uniform sampler2D order;   // P_z and its contrast before; both now
 uniform sampler2D colours;
 uniform ivec2 size;        // n_z, n_theta
 uniform float cell;
@@ -67,16 +69,16 @@ void main() {
   float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34));
   colour = vec4(base * light + 0.045 * gloss, 1.0);
 
-  // The indifferent zone: as wide everywhere, gone where there is no order, or order but no direction up or down.
+  // The indifferent zone: of constant width, absent where filaments on its two sides do not differ in direction.
   float slope = length(vec2(dFdx(P.x), dFdy(P.x))) + 1e-7;
   float line = 1.0 - smoothstep(1.25 * pixel - 0.6, 1.25 * pixel + 0.6, abs(P.x) / slope);
-  line *= smoothstep(0.06, 0.2, P.y) * smoothstep(0.04, 0.2, slope * radius / max(P.y, 1e-4));
+  line *= clamp((P.y - ${FAINT.toFixed(4)}) / ${(PLAIN - FAINT).toFixed(4)}, 0.0, 1.0);
   colour.rgb = mix(colour.rgb, zone * (0.72 + 0.28 * sqrt(facing)), line);
 
   vec2 off = at - brush.xy;
   off = vec2(off.x - 6.283185307179586 * round(off.x / 6.283185307179586), off.y - cell * round(off.y / cell));
   float distance = length(off);
-  // Not fwidth: it would see the seam.
+  // Not fwidth, which would show the seam.
   float across = 1.0 / (radius * max(facing, 0.15));
   float ring = 1.0 - smoothstep(0.5 * pixel, 0.5 * pixel + 1.2, abs(distance - brush.z) / across);
   float inside = 1.0 - smoothstep(0.0, 1.0, (distance - brush.z) / across);

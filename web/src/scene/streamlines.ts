@@ -20,8 +20,8 @@ export class Streamlines {
   private taken = new Uint8Array(0);
 
   /**
-   * Lay lines about `spacing` radii apart. Places are tried in an order that is always the same and even, so
-   * that lines bend with the flow rather than jump.
+   * Place lines about `spacing` radii apart. Seeds are tried in a fixed order that is evenly spread, so that lines
+   * bend with the flow rather than jump.
    */
   lay(fields: Fields, spacing: number): void {
     const { length, peak } = fields;
@@ -58,7 +58,7 @@ export class Streamlines {
       for (let k = 0; k < POINTS; k++) {
         const at = square(this.points[first + 2 * k], this.points[first + 2 * k + 1]);
         const [i, j] = [Math.floor(at / rows), at % rows];
-        // The square and its neighbours to both sides stay free of others.
+        // The square and its neighbours on both sides are kept free of others.
         this.taken[at] = 1;
         this.taken[((i + 1) % columns) * rows + j] = 1;
         this.taken[((i + columns - 1) % columns) * rows + j] = 1;

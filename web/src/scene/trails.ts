@@ -1,4 +1,4 @@
-// The particles on the cylinder: ribbons as wide on the screen at every distance.
+// The particles on the cylinder: ribbons of constant width on the screen.
 
 import * as THREE from 'three';
 import { TRAIL, type Particles } from './particles';
@@ -6,7 +6,7 @@ import { trailFragment, trailVertex } from './shaders';
 
 export class Trails {
   readonly mesh: THREE.Mesh;
-  /** The rows of the trails, every place twice, with a row before the first and after the last. */
+  /** The rows of the trails, every position twice, with a row before the first and after the last. */
   private readonly rows: Float32Array;
   private readonly buffer: THREE.InterleavedBuffer;
   private readonly material: THREE.ShaderMaterial;
@@ -32,7 +32,7 @@ export class Trails {
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
     this.rows = new Float32Array(8 * count * (TRAIL + 2));
     this.buffer = new THREE.InterleavedBuffer(this.rows, 4).setUsage(THREE.DynamicDrawUsage);
-    // One buffer, seen from three rows: with a texture that the vertex shader reads, OpenGL ES on an NVIDIA GPU
+    // One buffer, read at three offsets: with a texture read by the vertex shader, OpenGL ES on an NVIDIA GPU
     // showed nothing.
     for (const [row, name] of ['ahead', 'here', 'behind'].entries()) {
       geometry.setAttribute(name, new THREE.InterleavedBufferAttribute(this.buffer, 4, 8 * count * row));
@@ -52,7 +52,7 @@ export class Trails {
         tint: { value: new THREE.Vector3(1, 1, 1) },
       },
       transparent: true,
-      depthTest: false, // those behind are transparent: they face away
+      depthTest: false, // trails on the far side are transparent
       depthWrite: false,
       side: THREE.DoubleSide,
     });

@@ -1,4 +1,4 @@
-// From where the cylinder is seen: an orthographic view, turned, tilted and enlarged.
+// The view of the cylinder: orthographic, turned, tilted and enlarged.
 
 const TURN = 2 * Math.PI;
 const STEEPEST = 1.25;
@@ -7,16 +7,16 @@ const CLOSEST = 40;
 export class View {
   /** Angle theta that faces the viewer. */
   turn = Math.PI;
-  /** Above 0 one looks down on the upper end. */
+  /** Above 0 the viewer looks down on the upper end. */
   tilt = 0.2;
   zoom = 1;
-  /** Height in the middle of the picture, from the middle of the cell, radii. */
+  /** Height at the middle of the picture, relative to the middle of the cell, in radii. */
   centre = 0;
   width = 1;
   height = 1;
   length = 5;
 
-  /** CSS pixels a radius. */
+  /** CSS pixels per radius. */
   get scale(): number {
     const rise = 0.5 * this.length * Math.cos(this.tilt) + Math.abs(Math.sin(this.tilt));
     return this.zoom * Math.min(this.width / 2.2, this.height / (2.08 * rise));
@@ -57,7 +57,7 @@ export class View {
     this.centre = Math.max(-most, Math.min(most, this.centre));
   }
 
-  /** The [theta, z] seen at a pixel from the upper left corner, or null beside the cell. */
+  /** The [theta, z] at a pixel from the upper left corner, or null outside the cell. */
   pick(x: number, y: number): [number, number] | null {
     const scale = this.scale;
     const right = (x - this.width / 2) / scale;

@@ -1,4 +1,4 @@
-"""Regions of the surface, stated without a grid: boxes, discs, bands, strips, images, and combinations.
+"""Regions of the surface, defined without a grid: boxes, discs, bands, strips, images, and combinations.
 
 A region is a value; `mask(grid)` says which points of a grid lie in it. `~a`, `a | b` and `a & b` are the
 complement, the union and the intersection. Angles in radians, lengths in radii; both directions are periodic.

@@ -63,9 +63,9 @@ class Image(Region):
 def image(path: str) -> Region:
     """Return the light pixels (at least half as bright as white, and not transparent) of an image.
 
-    It is laid over the unwrapped surface: theta from 0 to 2π to the right, z from 0 to the length upwards; a
-    point takes the pixel that it falls on. The region holds the pixels, so that the file is not needed again.
-    Raises `InputError` for a file that is no image, or too large or too intricate to be stored with a run.
+    It is laid over the unwrapped surface: theta from 0 to 2π to the right, z from 0 to the length upwards;
+    each point takes the pixel at its place. The region holds the pixels: the file is not needed again.
+    Raises `InputError` for a file that is not an image, or too large or intricate to be stored.
 
     Example:
         >>> import numpy as np
@@ -78,7 +78,7 @@ def image(path: str) -> Region:
     light = _light_pixels(path)
     packed = base64.b64encode(zlib.compress(np.packbits(light).tobytes(), 9)).decode()
     if len(packed) > LARGEST_TEXT:
-        rule = f"an image that packs to at most {LARGEST_TEXT} characters, and it takes {len(packed)}"
+        rule = f"an image that packs to at most {LARGEST_TEXT} characters, not {len(packed)}"
         raise InputError("path", str(path), rule, "make it smaller or smoother")
     return Image(light.shape[1], light.shape[0], packed)
 
@@ -87,7 +87,7 @@ def _light_pixels(path: str) -> Mask:
     """Return which pixels are light, shape (height, width), the upper row first."""
     from PIL import Image as pictures
 
-    rule = f"an image (PNG, say) of at most {LARGEST_IMAGE} x {LARGEST_IMAGE} pixels"
+    rule = f"an image (such as PNG) of at most {LARGEST_IMAGE} x {LARGEST_IMAGE} pixels"
     try:
         with pictures.open(path) as picture:
             if max(picture.size) > LARGEST_IMAGE:
@@ -106,5 +106,5 @@ def _light_pixels(path: str) -> Mask:
     ) as error:
         if isinstance(error, InputError):
             raise
-        reason = getattr(error, "strerror", None) or "it is none, or damaged"
+        reason = getattr(error, "strerror", None) or "not an image, or damaged"
         raise InputError("path", str(path), rule, f"check the file ({reason})") from error

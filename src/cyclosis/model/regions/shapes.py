@@ -1,4 +1,4 @@
-"""Regions with edges, and what is made of regions: complement, union and intersection."""
+"""Regions with edges, and combinations of regions: complement, union and intersection."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from ..doors import door
 from ..errors import InputError
 from ..grid import CylinderGrid
 from ..interventions import SHAPES
+from ..wording import beside
 
 Mask = npt.NDArray[np.bool_]
 
 ROUNDING = 1e-9
-"""What a point may lie before an edge and still count as on it."""
+"""A point no farther than this before an edge counts as on it."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Region:
             if hasattr(self, item.name):
                 object.__setattr__(self, item.name, item.check(getattr(self, item.name)))
 
+    @door
     def mask(self, grid: CylinderGrid) -> Mask:
         """Return which points of a grid lie in the region, shape (n_theta, n_z).
 
@@ -63,7 +66,7 @@ class Region:
         raise NotImplementedError
 
     def as_table(self) -> dict[str, Any]:
-        """Return the region as a plain table, from which `region_tables.from_table` makes it again."""
+        """Return the region as a plain table, from which `region_tables.from_table` recreates it."""
         return {"shape": self.shape} | {item.name: getattr(self, item.name) for item in fields(self)}
 
     def __invert__(self) -> Region:
@@ -82,7 +85,7 @@ class Region:
 
 @dataclass(frozen=True)
 class Box(Region):
-    """theta0 <= theta < theta1 and z0 <= z < z1, either going round if the first end is beyond the second.
+    """theta0 <= theta < theta1 and z0 <= z < z1, each wrapping around if its first end is beyond the second.
 
     Example:
         >>> import cyclosis as cy
@@ -139,7 +142,7 @@ class Disc(Region):
 
 @dataclass(frozen=True)
 class Band(Region):
-    """start <= axis < stop, going round if start is beyond stop.
+    """start <= axis < stop, wrapping around if start is beyond stop.
 
     Example:
         >>> import cyclosis as cy
@@ -198,7 +201,7 @@ class Strips(Region):
 
 @dataclass(frozen=True)
 class Complement(Region):
-    """All that does not lie in a region.
+    """All points outside a region.
 
     Example:
         >>> import cyclosis as cy
@@ -253,7 +256,7 @@ class _Combined(Region):
 
 @dataclass(frozen=True)
 class Union(_Combined):
-    """All that lies in any of the parts.
+    """All points in any of the parts.
 
     Example:
         >>> import cyclosis as cy
@@ -271,7 +274,7 @@ class Union(_Combined):
 
 @dataclass(frozen=True)
 class Intersection(_Combined):
-    """All that lies in every one of the parts.
+    """All points in every one of the parts.
 
     Example:
         >>> import cyclosis as cy
@@ -288,7 +291,7 @@ class Intersection(_Combined):
 
 
 def box(theta0: float, theta1: float, z0: float, z1: float) -> Region:
-    """Return the region theta0 <= theta < theta1, z0 <= z < z1; a first end beyond the second goes round.
+    """Return the region theta0 <= theta < theta1, z0 <= z < z1; a first end beyond the second wraps around.
 
     Raises `InputError` for ends that are equal or out of range; `mask` does for a region that is not on the
     cell. The same holds for the functions below.
@@ -316,7 +319,7 @@ def disc(theta: float, z: float, radius: float) -> Region:
 
 
 def band(axis: str, start: float, stop: float) -> Region:
-    """Return the region start <= axis < stop for `axis` "theta" or "z"; start beyond stop goes round.
+    """Return the region start <= axis < stop for `axis` "theta" or "z"; start beyond stop wraps around.
 
     Example:
         >>> import cyclosis as cy
@@ -345,18 +348,20 @@ def strips(count: int, share: float = 0.5, axis: str = "theta", offset: float = 
 def _require_regions(parts: tuple[Any, ...]) -> None:
     for part in parts:
         if not isinstance(part, Region):
-            raise InputError("region", part, "a region of cyclosis.regions", "make it with regions.disc, say")
+            raise InputError(
+                "region", part, "a region of cyclosis.regions", "make it with regions.disc, for example"
+            )
 
 
 def _refuse_nothing(name: str, start: float, stop: float) -> None:
     if start == stop:
-        raise InputError(name, stop, "another number than the first end", "leave some room between the two")
+        raise InputError(name, stop, "different from the first end", "leave some room between the two")
 
 
 def _on_the_cell(name: str, z: float, grid: CylinderGrid) -> None:
     if not 0 <= z <= grid.length * (1 + ROUNDING):
         remedy = "move the region, or lengthen the cell"
-        raise InputError(name, z, f"on the cell, from 0 to its length {grid.length:g}", remedy)
+        raise InputError(name, z, f"on the cell, from 0 to its length {beside(grid.length, z)}", remedy)
 
 
 def _between(x: Any, start: float, stop: float, period: float) -> Any:

@@ -1,0 +1,1 @@
+"""Branches of steady states over one parameter: continuation, switching, and special points."""

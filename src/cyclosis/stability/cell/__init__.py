@@ -1,0 +1,1 @@
+"""Steady states of a whole cell, in two dimensions, and their leading modes."""

@@ -1,0 +1,1 @@
+"""Where stripes exist and are stable: thresholds, limits, and unequal stripes."""

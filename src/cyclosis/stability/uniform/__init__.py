@@ -1,0 +1,1 @@
+"""Uniform states, their orders, and growth rates about them in closed form."""

@@ -1,0 +1,4 @@
+"""The plan of a sweep, made from a configuration: its members, blocks and variables."""
+
+from .sweep import Block as Block
+from .sweep import Sweep as Sweep

@@ -1,0 +1,29 @@
+"""The explorer's page in a browser, and the processes of its server."""
+
+from contextlib import contextmanager, suppress
+
+import psutil
+
+
+@contextmanager
+def opened(browser, address, size, console=True):
+    """Open the page in a window of a size; it must cause no errors, nor print any if `console`."""
+    width, height = size
+    context = browser.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
+    page, troubles = context.new_page(), []
+    page.on("pageerror", lambda error: troubles.append(str(error)))
+    if console:
+        page.on("console", lambda said: troubles.append(said.text) if said.type == "error" else None)
+    page.goto(address)
+    yield page
+    context.close()
+    assert not troubles
+
+
+def makers(server):
+    """The processes of a server that make files, less those that have just ended."""
+    found = []
+    for child in server.children():
+        with suppress(psutil.NoSuchProcess):  # a zombie is one, too
+            found += [child] if "cyclosis.explorer.maker" in child.cmdline() else []
+    return found

@@ -1,0 +1,92 @@
+// How strongly filaments on the two sides of a line P_z = 0 differ in direction, as in `cyclosis.zones.contrast`.
+
+/** How far from a line streams are sought on both sides, in radii. */
+export const REACH = 0.5;
+/** Length averaged over on each side before that, in radii: noise does not count as a stream. */
+export const GRAIN = 0.2;
+/** Contrast below which a line is not drawn, and above which it is drawn in full. */
+export const FAINT = 0.05;
+export const PLAIN = 0.15;
+
+/** How strongly a line of some contrast is drawn, 0 to 1. */
+export function weight(contrast: number): number {
+  return Math.min(1, Math.max(0, (contrast - FAINT) / (PLAIN - FAINT)));
+}
+
+/** Points of a patch that reaches so far to each side of its middle: at least 3, and odd. */
+function pointsWithin(reach: number, spacing: number, count: number): number {
+  const eachWay = Math.max(1, Math.floor(reach / spacing + 0.5));
+  return 2 * Math.min(eachWay, Math.floor((count - 1) / 2)) + 1;
+}
+
+/** Lines of a field: how many, and how far apart they begin; values on each, and how far apart these are. */
+interface Lines {
+  lines: number;
+  between: number;
+  count: number;
+  step: number;
+  spacing: number;
+}
+
+/** Computes the contrast around every point of a periodic grid, in preallocated arrays. */
+export class Contrast {
+  readonly values: Float32Array;
+  private readonly smooth: Float32Array;
+  private readonly passed: Float32Array;
+  private readonly highest: Float32Array;
+  private readonly lowest: Float32Array;
+  private readonly along: Lines;
+  private readonly across: Lines;
+
+  constructor(n_theta: number, n_z: number, length: number) {
+    const field = (): Float32Array => new Float32Array(n_theta * n_z);
+    [this.values, this.smooth, this.passed, this.highest, this.lowest] = [field(), field(), field(), field(), field()];
+    this.along = { lines: n_theta, between: n_z, count: n_z, step: 1, spacing: length / n_z };
+    this.across = { lines: n_z, between: 1, count: n_theta, step: n_z, spacing: (2 * Math.PI) / n_theta };
+  }
+
+  /** Set `values` to min(max p, max(-p)) around every point, where p is the theta-major P_z, smoothed. */
+  of(P_z: Float32Array): Float32Array {
+    const { values, smooth, passed, highest, lowest, along, across } = this;
+    averaged(P_z, passed, along);
+    averaged(passed, smooth, across);
+    extreme(smooth, passed, along, Math.max);
+    extreme(passed, highest, across, Math.max);
+    extreme(smooth, passed, along, Math.min);
+    extreme(passed, lowest, across, Math.min);
+    for (let p = 0; p < values.length; p++) values[p] = Math.min(highest[p], -lowest[p]);
+    return values;
+  }
+}
+
+/** Write the mean of every point's neighbourhood on periodic lines. */
+function averaged(from: Float32Array, to: Float32Array, { lines, between, count, step, spacing }: Lines): void {
+  const points = pointsWithin(GRAIN, spacing, count);
+  const half = (points - 1) / 2;
+  for (let line = 0; line < lines; line++) {
+    const start = line * between;
+    for (let k = 0; k < count; k++) {
+      let sum = 0;
+      for (let m = count + k - half; m <= count + k + half; m++) sum += from[start + (m % count) * step];
+      to[start + k * step] = sum / points;
+    }
+  }
+}
+
+/** Write the largest, or smallest, of every point's neighbourhood on periodic lines. */
+function extreme(
+  from: Float32Array,
+  to: Float32Array,
+  { lines, between, count, step, spacing }: Lines,
+  further: (a: number, b: number) => number,
+): void {
+  const half = (pointsWithin(REACH, spacing, count) - 1) / 2;
+  for (let line = 0; line < lines; line++) {
+    const start = line * between;
+    for (let k = 0; k < count; k++) {
+      let found = from[start + k * step];
+      for (let m = count + k - half; m <= count + k + half; m++) found = further(found, from[start + (m % count) * step]);
+      to[start + k * step] = found;
+    }
+  }
+}
