@@ -129,7 +129,7 @@ def setup(tables: Tables, steps: Any = ()) -> Setup:
     run = dict(tables["run"])
     _refuse_idle(run)
     terms = run.pop("terms", None)
-    grid = model.grid(**tables["grid"])
+    grid = model.grid_from(tables["grid"])
     params = model.parameters(**tables["parameters"])
     given = tables["initial"]
     initial = {"kind": INITIAL[0].default} | given

@@ -48,6 +48,9 @@ class ClosedSpace:
     keep: Any
     weights: Any
     area: Any
+    xyz: Any
+    e_theta: Any
+    e_s: Any
     shape: tuple[int, int]
 
     @property
@@ -126,6 +129,9 @@ jax.tree_util.register_dataclass(
         "keep",
         "weights",
         "area",
+        "xyz",
+        "e_theta",
+        "e_s",
     ],
     meta_fields=["shape"],
 )
@@ -153,6 +159,9 @@ def closed_space(grid: ClosedGrid, precision: str = "float64") -> ClosedSpace:
         keep=keep.astype(real),
         weights=(grid.weights / grid.area).astype(real),
         area=np.asarray(grid.area, real),
+        xyz=grid.xyz.astype(real),
+        e_theta=grid.e_theta.astype(real),
+        e_s=grid.e_s.astype(real),
         shape=grid.shape,
     )
 
