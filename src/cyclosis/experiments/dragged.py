@@ -19,10 +19,10 @@ from ..model.grid import Array, CylinderGrid
 from ..model.parameters import Parameters
 from ..models import coupled_model
 from ..stability.existence.equal import Equal, EqualStripes
-from ..stability.profiles.growth import along
 from ..stability.profiles.reduced import Reduced, reduced_of
 from ..stability.profiles.steady import relax, steady
 from ..stability.profiles.travelling import flow
+from ..stability.uniform.dispersion import stripes_threshold
 
 POINTS = 96
 LENGTH = 5.0
@@ -54,42 +54,50 @@ class DraggedStripes(EqualStripes):
 class Stripes(NamedTuple):
     """Two upright stripes: greatest and root mean square order and speed, and growth rates.
 
-    `tilt` is that of a tilt towards the circumference, `widths` that of unequal widths, `bend` that of the
-    longest wave along the cell. All dimensionless.
+    `share` is the part of the motors' power that is dissipated in the vacuole; `tilt` is the growth rate of a
+    tilt towards the circumference, `widths` that of unequal widths, `bend` that of the longest wave along
+    the cell. All dimensionless.
     """
 
     peak_order: float
     order: float
     peak_speed: float
     speed: float
+    share: float
     tilt: float
     widths: float
     bend: float
 
 
-def stripes(params: Parameters, beta: float) -> tuple[Stripes, Array]:
-    """Return the `Stripes` of the steady state with the drag β, and its P_z (points,).
-
-    Raises `InputError` where there is none.
-    """
-    P = DraggedStripes(params, beta).full(float(params.alpha_u)).P
-    line, y = equation(params, beta), np.concatenate([np.zeros(POINTS), P])
-    found = steady(line, y)
-    assert found is not None
+def stripes(params: Parameters, beta: float) -> Stripes:
+    """Return the `Stripes` of the steady state with the drag β. Raises `InputError` where there is none."""
+    line, y = upright(params, beta)
     u = flow(line, y)[1]
+    m = np.arange(POINTS // 2 + 1)
+    power = np.abs(np.fft.rfft(u)) ** 2
+    share = float(beta * (m @ power) / ((1 + params.mu * m**2 + beta * m) @ power))
+    sizes = [(float(np.abs(x).max()), float(np.sqrt(np.mean(x**2)))) for x in (y[POINTS:], u)]
     matrix = line.jacobian(y)
-    tilt = float(np.linalg.eigvals(matrix[:POINTS, :POINTS]).real.max())
-    upright = equation(params.replace(kappa=50.0), beta)  # so stiff that no tilt is the slowest mode
-    widths = float(along(upright, found)[0][0].real)
+    # Of perturbations of P_z alone the first that is not the neutral rotation, which changes no widths.
+    axial = np.linalg.eigvals(matrix[POINTS:, POINTS:])
+    widths = float(np.delete(axial, np.argmin(np.abs(axial))).real.max())
     bend = float(np.linalg.eigvals(line.waves(y, 1)).real.max())
-    sizes = [(float(np.abs(x).max()), float(np.sqrt(np.mean(x**2)))) for x in (P, u)]
-    return Stripes(*sizes[0], *sizes[1], tilt, widths, bend), P
+    return Stripes(*sizes[0], *sizes[1], share, _tilt(matrix), widths, bend)
 
 
 def tilt_rate(params: Parameters, beta: float) -> float:
-    """Return the growth rate of a tilt of two upright stripes."""
+    """Return the growth rate of a tilt of two upright stripes; raises `InputError` where there are none."""
+    line, y = upright(params, beta)
+    return _tilt(line.jacobian(y))
+
+
+def upright(params: Parameters, beta: float) -> tuple[Reduced, Array]:
+    """Return the equation and the steady state (2 points,) of two upright stripes."""
     P = DraggedStripes(params, beta).full(float(params.alpha_u)).P
-    matrix = equation(params, beta).jacobian(np.concatenate([np.zeros(POINTS), P]))
+    return equation(params, beta), np.concatenate([np.zeros(POINTS), P])
+
+
+def _tilt(matrix: Array) -> float:
     return float(np.linalg.eigvals(matrix[:POINTS, :POINTS]).real.max())
 
 
@@ -112,12 +120,19 @@ def tilting_alpha_p(params: Parameters, beta: float, least: float, most: float) 
 
 
 def tilted(params: Parameters, beta: float) -> tuple[float, float]:
-    """Return mean P_theta and drift about the axis of the state in which tilted stripes end.
-
-    Both are zero where they end upright.
-    """
+    """Return |<P_theta>| and |drift| of the state in which tilted stripes end; zero if that is upright."""
     line = equation(params, beta)
     theta = line.turn / POINTS * np.arange(POINTS)
     guess = np.concatenate([np.full(POINTS, 0.3), 0.8 * np.tanh(3 * np.sin(theta))])
     found = steady(line, relax(line, guess, LONG).y)
-    return (np.nan, np.nan) if found is None else (float(found.y[:POINTS].mean()), found.drift)
+    return (np.nan, np.nan) if found is None else (abs(float(found.y[:POINTS].mean())), abs(found.drift))
+
+
+def breaking_up(params: Parameters, beta: float) -> float:
+    """Return the α_u above which one stream breaks up into stripes.
+
+        α_u = α_p² (1 + μ + β) (2a + d_s) / (3 d_r a),    a = α_p - d_r
+
+    Its perturbations of wavenumber m = 1 drive a flow that is resisted by 1 + μ + β Z(1, 0), and Z(1, 0) = 1.
+    """
+    return float(stripes_threshold(params)) * (1 + params.mu + beta) / (1 + params.mu)
