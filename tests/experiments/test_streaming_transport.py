@@ -18,7 +18,7 @@ DIFFUSION, TAYLOR = 0.666, 0.095
 
 
 def made(factor=31.0, exponent=0.5, off=1.0, gain=1.0):
-    """Return data with so much more exchange at Pe = 1000, its last exponent, and walks so many errors off."""
+    """Return data with so much exchange at Pe = 1000, an exponent, and walks some errors off."""
     flux = DIFFUSION * factor * (PECLETS / 1000.0) ** exponent
     walked = np.array([10.0, 50.0])
     spread = 1 + TAYLOR * walked**2

@@ -92,7 +92,7 @@ def test_waves_around_the_axis_alone_are_resisted_by_their_number(m):
 @pytest.mark.parametrize(("m", "j"), [(1, 0), (2, 0), (1, 1), (2, -3), (0, 2)])
 @pytest.mark.parametrize("state", ["disorder", "one stream"])
 def test_growth_of_waves_of_the_model_is_that_of_theory_with_drag(state, m, j):
-    """About P0 e_z, W = (α_u + iε P0 q) P0²/(k² (1 + μk² + βZ)) turns and stretches; without order, nothing."""
+    """About P0 e_z, W = (α_u + iε P0 q) P0²/(k² (1 + μk² + βZ)) acts; without order, nothing."""
     p = cy.Parameters(alpha_p=0.1 if state == "one stream" else 0.03, alpha_u=0.4, mu=0.07)
     grid = cy.CylinderGrid(16, 16, 4.0)
     q = 2 * np.pi / grid.length * j
@@ -231,7 +231,7 @@ def made(ends=(), speed=0.98, usual_speed=0.999, seeds=20):
             "edge": (("edge_beta", "edge_alpha_u"), [[np.nan, 0.9], [0.9, 0.7]]),
             "grown": (("what", "grown_beta", "way"), np.ones((4, 3, 2))),
             "peak_speed": ("curve", 0.97 * speeds),
-            **{name: ("curve", 0.2 / speeds) for name in subject.COMPARED[1:]},
+            **dict.fromkeys(subject.COMPARED[1:], ("curve", 0.2 / speeds)),
         },
         {
             "beta": beta,
