@@ -253,6 +253,7 @@ def made(ends=(), speed=0.98, usual_speed=0.999, seeds=20):
 
 SWAPPED = 2 - np.arange(20) % 2  # every seed ends otherwise, and as many in each kind
 TILTED = np.full(20, 3)
+MERGED = np.where(np.arange(20) < 16, 1, np.arange(20) % 2 + 1)  # 8 of 10 cells with two stripes lose one
 
 
 @pytest.mark.parametrize(
@@ -261,6 +262,7 @@ TILTED = np.full(20, 3)
         (made(), "agrees"),
         (made({(2, 1): SWAPPED}), "agrees"),  # as other seeds do
         (made({(2, 3): TILTED}), "in part"),
+        (made({(2, 1): MERGED}), "in part"),
         (made(speed=0.94), "in part"),
         (made({(1, 3): TILTED, (2, 3): TILTED}), "does not"),
         (made(speed=0.9, usual_speed=0.94), "does not"),
@@ -279,6 +281,11 @@ def test_ends_are_compared_seed_by_seed():
     assert subject.beyond_seeds(made({(2, 3): TILTED}), 0.3).tolist() == [False, False, False, True]
     few = np.where(np.arange(20) < 6, 3, 2)  # p = 2 · 2⁻⁶, and 24 kinds and places are tested
     assert not subject.beyond_seeds(made({(2, 3): few}), 0.3).any()
+    assert not subject.beyond_seeds(made({(2, 1): MERGED}), 0.3).any()
+    assert subject.merged(made({(2, 1): MERGED}), 0.3) == (8, 0)
+    assert subject.merged(made({(2, 1): SWAPPED, (2, 3): TILTED}), 0.3) == (10, 10)
+    assert subject.mcnemar(8, 0) == pytest.approx(2**-7)
+    assert subject.mcnemar(0, 0) == 1.0
     more = np.where(np.arange(20) < 11, 3, 2)
     assert subject.beyond_seeds(made({(2, 3): more}), 0.3).sum() == 1
 
