@@ -195,6 +195,16 @@ def test_stripes_that_do_not_exist_are_refused():
 
 
 @pytest.mark.slow
+def test_tilted_stripes_without_drag_are_the_drifting_ones():
+    params = cy.Parameters(kappa=0.2)
+    known = cy.stability.drifting(params, N)
+    around, drift = dragged.tilted(params, 0.0)
+    assert around == pytest.approx(abs(known.P[0].mean()), abs=1e-9)
+    assert drift == pytest.approx(abs(known.drift), abs=1e-9)
+    assert dragged.tilted(subject.FIGURE_4, 0.1) == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+@pytest.mark.slow
 def test_measured_thresholds_and_tilts_are_those_of_theory():
     for measured, theory in (subject.ordering(BETA, 1), subject.breaking(BETA)):
         assert measured == pytest.approx(theory, rel=1e-5)
