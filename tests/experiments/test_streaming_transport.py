@@ -6,12 +6,15 @@ import xarray
 
 from cyclosis.experiments.streaming_transport import (
     EXPERIMENT,
+    WAVENUMBER,
     decisive,
     deviations,
     exchange,
     exponents,
     verdict,
 )
+from cyclosis.model.parameters import Parameters
+from cyclosis.stability import cyclosis
 
 PECLETS = np.array([1.0, 100.0, 1000.0, 5000.0])
 DIFFUSION, TAYLOR = 0.666, 0.095
@@ -71,3 +74,36 @@ def test_without_much_flow_bands_exchange_as_by_diffusion():
     flux, uptake = exchange(0.01)
     assert flux == pytest.approx(0.6659853510, rel=1e-4)
     assert uptake == pytest.approx(5.783185963, rel=1e-7)
+
+
+def on_the_disc(amplitudes, peclet, q, n_r, n_theta):
+    """Return the mean flux into c e^{iqz}, c = 1 on the wall, by collocation on whole diameters.
+
+    Points are Chebyshev's along diameters and even around the axis, so that r = 0 is not special:
+    Trefethen, Spectral Methods in MATLAB (2000), chapter 11. The flow is a sum of r^m sin mθ.
+    """
+    r = np.cos(np.pi * np.arange(n_r + 1) / n_r)
+    weight = np.r_[2, np.ones(n_r - 1), 2] * (-1.0) ** np.arange(n_r + 1)
+    apart = r[:, None] - r + np.eye(n_r + 1)
+    D = np.outer(weight, 1 / weight) / apart
+    D -= np.diag(D.sum(axis=1))
+    near, far = np.arange(1, (n_r + 1) // 2), np.arange(n_r - 1, (n_r - 1) // 2, -1)
+    theta = 2 * np.pi / n_theta * np.arange(n_theta)
+    same, opposite = np.eye(n_theta), np.roll(np.eye(n_theta), n_theta // 2, axis=1)
+    m = np.fft.fftfreq(n_theta, 1 / n_theta)
+    bend = np.fft.ifft(-(m[:, None] ** 2) * np.fft.fft(same, axis=0), axis=0).real
+    second = D @ D + D / np.where(np.abs(r) > 0, r, 1.0)[:, None]
+    L = np.kron(second[np.ix_(near, near)], same) + np.kron(second[np.ix_(near, far)], opposite)
+    L += np.kron(np.diag(r[near] ** -2), bend)
+    u = sum(b * np.outer(r[near] ** k, np.sin(k * theta)) for k, b in amplitudes.items()).ravel()
+    lost = q**2 + 1j * q * peclet * u
+    y = np.linalg.solve(L - np.diag(lost), lost).reshape(near.size, n_theta)
+    return abs((D[0, near] @ y + D[0, far] @ y @ opposite.T).mean())
+
+
+def test_bands_exchange_as_much_as_on_the_disc():
+    waves = np.fft.rfft(cyclosis(Parameters()).u, norm="forward")
+    amplitudes = {m: -2 * waves[m].imag for m in range(1, 20, 2)}
+    exact = on_the_disc(amplitudes, 30.0, WAVENUMBER, 31, 28)
+    assert exact == pytest.approx(on_the_disc(amplitudes, 30.0, WAVENUMBER, 25, 24), rel=1e-4)
+    assert exchange(30.0)[0] == pytest.approx(exact, rel=1e-5)
