@@ -44,6 +44,7 @@ def various():
     return [member(seed, alpha_p=p, alpha_u=u) for seed, (p, u) in enumerate(points)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lanes", [1, 3])
 def test_an_outcome_does_not_depend_on_company_order_or_lane(lanes):
     how = EnsembleSettings(lanes=lanes)
@@ -56,6 +57,7 @@ def test_an_outcome_does_not_depend_on_company_order_or_lane(lanes):
         assert same(a, c)
 
 
+@pytest.mark.slow
 def test_few_that_are_left_go_on_in_fewer_lanes(widths):
     grid = cy.CylinderGrid(16, 16, 5.0)
     members = [member(seed, grid, alpha_p=0.02 + 0.02 * seed) for seed in range(20)]
@@ -166,6 +168,7 @@ def test_a_coarse_grid_is_noticed():
     assert outcome.tail > 1e-2
 
 
+@pytest.mark.slow
 def test_members_may_differ_in_everything():
     other = cy.CylinderGrid(24, 20, 7.0)
     field = cy.Parameters(alpha_u=np.full(GRID.shape, 0.4), alpha_p=0.4)

@@ -8,6 +8,8 @@ import pytest
 from cyclosis.experiments import NAMES, perform
 from cyclosis.experiments.coalescence import crossing
 from cyclosis.experiments.experiment import OUTCOMES
+from cyclosis.experiments.streaming_transport import deviations
+from cyclosis.experiments.vacuole_passive import as_predicted
 
 pytestmark = pytest.mark.slow
 
@@ -107,6 +109,34 @@ def cell_shape(data):
     five = float(data["theory_rate"].sel(length=5.0))
     assert five == pytest.approx(0.0541, abs=5e-4)
     assert np.nanmax(data["tail"].values) < 0.02
+
+
+def mixing(data):
+    straight = data.sel(pitch=np.inf)
+    assert straight["sherwood"].values == pytest.approx(5.783185963, rel=1e-6)
+    assert straight["mixing"].values == pytest.approx(3.389957716, rel=1e-6)
+    assert straight["dispersion"].values == pytest.approx(0.0948727009, rel=1e-6)
+    assert np.all(np.abs(np.hypot(*data["crossing"].values.T)) < 1)
+
+
+def streaming_transport(data):
+    assert float(data["diffusion"]) == pytest.approx(0.6659853510, rel=1e-8)
+    assert data["exchange"].values == pytest.approx([0.672938, 5.995264, 20.632856], rel=2e-6)
+    assert data["sherwood"].values == pytest.approx(5.783185963, rel=1e-6)
+    assert deviations(data).max() < 4
+
+
+def vacuole_passive(data):
+    beta = data["curve"].values
+    assert data["break_up"].values / float(data["break_up"][0]) == pytest.approx(1 + beta / 1.05)
+    assert float(data["peak_speed"][0]) == pytest.approx(0.9714276568, abs=1e-9)
+    thresholds = data["grown"].isel(what=[0, 1, 2])
+    assert thresholds.sel(way="measured").values == pytest.approx(
+        thresholds.sel(way="theory").values, rel=1e-5
+    )
+    assert abs(data["grown"].sel(what="tilt").diff("way")).max() < 1e-6
+    right, striped = as_predicted(data)
+    assert right == striped > 0
 
 
 CHECKS = {

@@ -46,6 +46,7 @@ def stored(folder, times):
     return str(folder / "run.nc")
 
 
+@pytest.mark.slow
 def test_the_command_carries_dye_during_a_run(tmp_path):
     found = CliRunner().invoke(app, ["vacuole", stored(tmp_path, [0.0, 0.5, 1.0]), "--dye", "50"])
     assert found.exit_code == 0, found.output

@@ -207,6 +207,7 @@ def test_the_paper_s_closure_is_the_default():
     assert polar_model(closure="weak") is polar_model("weak")
 
 
+@pytest.mark.slow
 def test_a_closure_is_traced_and_differentiated():
     grid = cy.CylinderGrid(8, 8)
     P = cy.initial.unidirectional(grid, 0.3)
@@ -226,6 +227,7 @@ PROTOCOL = cy.Protocol(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closure", NAMES)
 def test_a_run_goes_on_bit_for_bit_through_a_file(tmp_path, closure):
     model, state = polar_model(closure), smooth()
@@ -246,6 +248,7 @@ def test_a_run_goes_on_bit_for_bit_through_a_file(tmp_path, closure):
     assert f"kind = polar, closure = {closure}" in found.output
 
 
+@pytest.mark.slow
 def test_a_file_is_not_continued_by_another_closure(tmp_path):
     run = cy.simulate(GENERAL, GRID, smooth(), 0.5, model=polar_model("weak"))
     path = cy.write(run, tmp_path / "weak.nc")
@@ -278,6 +281,7 @@ def test_a_configuration_and_the_command_line_choose_a_closure(tmp_path):
     assert cy.load(path).model is polar_model("weak")
 
 
+@pytest.mark.slow
 def test_members_of_an_ensemble_share_lanes_and_are_not_certified():
     grid, model = cy.CylinderGrid(8, 8), polar_model("von_mises")
     params = [cy.Parameters(d_s=0.1, alpha_p=a) for a in (0.3, 0.45, 0.6)]
@@ -296,6 +300,7 @@ def test_members_of_an_ensemble_share_lanes_and_are_not_certified():
         cy.ensemble.follow(members, cy.ensemble.EnsembleSettings(t_end=20.0))
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_closure():
     from cyclosis.sweep.store.block import compute
 

@@ -130,6 +130,7 @@ def test_a_wave_of_concentration_decays_by_diffusion():
     assert np.abs(found - 1 - decay * (c - 1)).max() < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepper", ["etdrk4", "rk4"])
 def test_fourth_order_in_time(stepper):
     def end(stepper, dt):
@@ -140,6 +141,7 @@ def test_fourth_order_in_time(stepper):
     assert np.log2(coarse / fine) == pytest.approx(4.0, abs=0.35)
 
 
+@pytest.mark.slow
 def test_diffusion_that_changes_in_time_is_followed_by_two_steppers_alike():
     protocol = cy.Protocol(cy.change(at=0.2, over=0.6, d_s=0.2, d_r=0.02))
     one, two = (
@@ -171,6 +173,7 @@ PROTOCOL = cy.Protocol(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("t_half", [1.0, 2.0])
 def test_a_run_goes_on_bit_for_bit_through_a_file(tmp_path, t_half):
     how = {"protocol": PROTOCOL, "save_every": 0.5, "model": POWER}
@@ -188,6 +191,7 @@ def test_a_run_goes_on_bit_for_bit_through_a_file(tmp_path, t_half):
         assert not np.array_equal(one.after[:2], one.before[:2])
 
 
+@pytest.mark.slow
 def test_a_file_holds_the_concentration_and_starts_further_runs(tmp_path):
     found = run(smooth(), 1.0, save_every=0.5)
     path = cy.write(found, tmp_path / "uneven.nc")
@@ -238,6 +242,7 @@ def test_starts_with_a_bump_or_a_gap():
     assert bump[7, 10] / level - 1 == pytest.approx(np.exp(-far / 0.5), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_command_line_makes_and_shows_such_a_run(tmp_path):
     path = tmp_path / "run.nc"
     cell = ["--n-theta", "8", "--n-z", "8", "--t-end", "0.2", "--quiet", "--out", str(path)]
@@ -255,6 +260,7 @@ def test_the_command_line_makes_and_shows_such_a_run(tmp_path):
     assert "used only where [model] concentration is true" in str(refused.exception)
 
 
+@pytest.mark.slow
 def test_members_of_an_ensemble_share_lanes():
     grid = cy.CylinderGrid(16, 8)
     starts = [
@@ -278,6 +284,7 @@ def test_members_of_an_ensemble_share_lanes():
         cy.ensemble.follow(members, cy.ensemble.EnsembleSettings(t_end=20.0))
 
 
+@pytest.mark.slow
 def test_a_sweep_with_a_bump(tmp_path):
     from cyclosis.sweep.store.block import compute
 

@@ -62,6 +62,7 @@ def test_without_drag_it_is_the_polar_model():
     assert np.abs(run().final_state - plain.final_state).max() > 1e-4
 
 
+@pytest.mark.slow
 def test_a_ramp_of_the_viscosity_keeps_the_drag():
     ramp = cy.Protocol(cy.change(at=0.5, over=1.0, mu=0.5))
     slow = run(protocol=ramp, rtol=1e-9)
@@ -91,6 +92,7 @@ def test_configurations_choose_it(tmp_path):
     assert cy.models.of_tables(tables) is made
 
 
+@pytest.mark.slow
 def test_its_regime_is_that_of_its_own_rate():
     found = cy.simulate(
         cy.Parameters(), GRID, cy.initial.stripes(GRID), 300.0, model=COUPLED, save_every=300.0

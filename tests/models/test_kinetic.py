@@ -104,6 +104,7 @@ def test_aligned_filaments_follow_the_polar_model():
     assert abs(ratios[1] - 4) < abs(ratios[0] - 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rest", "expected"), [(0.1, 0.24804), (0.025, 0.17702), (0.00625, 0.05260), (0.003125, 0.02680)]
 )
@@ -215,6 +216,7 @@ def test_too_few_modes_are_noticed_by_name():
     assert "angular" in found.message or "density" in found.message
 
 
+@pytest.mark.slow
 def test_the_step_does_not_blow_up_where_fixed_steps_did():
     grid = cy.CylinderGrid(32, 8)
     state = cy.kinetic.dressed(cy.initial.stripes(grid, magnitude=0.9), 40)
@@ -224,6 +226,7 @@ def test_the_step_does_not_blow_up_where_fixed_steps_did():
         assert np.all(np.isfinite(found.final_state))
 
 
+@pytest.mark.slow
 def test_members_of_an_ensemble():
     starts = [lambda s=s: cy.kinetic.disordered(GRID, seed=s, modes=16) for s in (0, 1)]
     members = [cy.ensemble.Member(GENERAL, GRID, start, model=KINETIC) for start in starts]
@@ -234,6 +237,7 @@ def test_members_of_an_ensemble():
     assert outcomes[0].state.shape == (17, *GRID.shape)
 
 
+@pytest.mark.slow
 def test_a_sweep_of_the_kinetic_model():
     tables = {
         "model": {"kind": "kinetic", "modes": 12},
@@ -341,6 +345,7 @@ def test_a_term_of_another_shape_is_refused():
         cy.simulate(cy.Parameters(), GRID, m, 1.0, terms=[order_only], model=KINETIC)
 
 
+@pytest.mark.slow
 def test_too_few_angular_modes_call_for_more_modes():
     grid = cy.CylinderGrid(48, 1)
     m = cy.kinetic.dressed(cy.initial.stripes(grid), 12)

@@ -105,6 +105,7 @@ def test_other_commands_of_the_theory_do_not_offer_the_model(name):
     assert "--model" in str(result.exception) + result.output
 
 
+@pytest.mark.slow
 def test_the_figure_draws_the_rates_of_the_table():
     figure = kinetic_dispersion(PARAMS, ["nematic", "theta"], modes=MODES)
     assert len(figure.axes) == 4

@@ -27,10 +27,12 @@ def dense(operator):
     return np.stack([operator(unit).ravel() for unit in units], axis=1)
 
 
+@pytest.mark.slow
 def test_the_state_moves_in_a_run_at_its_drift():
     check(kinetic_states.drift())
 
 
+@pytest.mark.slow
 def test_the_residual_vanishes_on_a_grid_of_angles():
     check(kinetic_states.oracle())
     wrong = kinetic_oracle.rate(state(48, 32).density(128)[:, None, :], dict(MILD.items()), 5.0)
@@ -49,6 +51,7 @@ def test_the_state_at_the_parameters_of_figure_4():
         assert rest[0].real == pytest.approx(slowest, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_points_and_modes_converge():
     errors = []
     best = state(48, 32)

@@ -22,6 +22,7 @@ def test_it_has_one_wavenumber_along_the_axis():
     assert RING.z.tolist() == RING.q.tolist() == [0.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [cy.models.polar, cy.models.kinetic], ids=str)
 def test_its_cell_is_the_one_that_is_the_same_at_every_z(model):
     runs = []
@@ -52,6 +53,7 @@ def test_its_flow_is_that_of_the_closed_form():
     assert np.abs(cy.flow(PARAMS, RING, P)[1, :, 0] - expected).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_its_file_is_resumed_drawn_exported_and_a_start(tmp_path):
     file = tmp_path / "ring.nc"
     whole = cy.simulate(PARAMS, RING, start(RING), 6.0, save_every=1.0)

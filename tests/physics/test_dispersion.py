@@ -5,6 +5,7 @@ import pytest
 from measure import check, dispersion
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", dispersion.DISORDERED)
 def test_growth_from_disorder(name):
     """α_p - d_r - d_s k² for P_z, that minus κ for P_theta: the flow drops out."""

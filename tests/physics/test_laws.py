@@ -195,6 +195,7 @@ def test_spectral_tail_is_the_share_of_amplitude_beyond_two_thirds():
         assert tail == pytest.approx(0.6 if counted else 0.0, abs=1e-12), (m, j)
 
 
+@pytest.mark.slow
 @fewer
 @given(cells(), seeds)
 def test_single_precision_follows_double_precision(p, seed):

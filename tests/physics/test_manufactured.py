@@ -11,6 +11,7 @@ def test_the_chosen_solution_solves_the_forced_equation():
     check(manufactured.forcing_defect())
 
 
+@pytest.mark.slow
 def test_error_falls_geometrically_with_resolution():
     check(manufactured.spectral(((16, 16), (32, 32), (64, 64))))
 

@@ -98,6 +98,7 @@ ANY = settings(
 FEW = settings(ANY, max_examples=12)
 
 
+@pytest.mark.slow
 @ANY
 @given(cells(100.0), st.integers(32, 100), st.sampled_from([2, 2, 4, 6]))
 def test_stripes(params, n, count):
@@ -145,6 +146,7 @@ def test_drifting_states(params, n, hand):
 NAMES = ("alpha_p", "alpha_u", "kappa", "d_s", "d_r", "mu", "epsilon", "force_exponent")
 
 
+@pytest.mark.slow
 @FEW
 @given(TAME, st.sampled_from([48, 64]), st.sampled_from(NAMES))
 def test_branches(params, n, name):

@@ -50,6 +50,7 @@ def test_every_inequality_holds_at_random_states(seed, angle):
     assert np.abs(mean).max() <= M**2 * s + 1e-14
 
 
+@pytest.mark.slow
 def test_what_is_certified_decays_and_keeps_within_its_bound():
     params = cy.Parameters(alpha_p=0.025, alpha_u=1.0)
     P = random_state(5, 0.02)

@@ -23,6 +23,7 @@ def moved(state, grid, drift):
     return np.fft.ifft2(1j * (drift[0] * m + drift[1] * q) * np.fft.fft2(state)).real
 
 
+@pytest.mark.slow
 def test_stripes_are_those_of_the_profile_wherever_they_lie():
     found = cy.stability.steady_state(CELL, GRID, rough(GRID))
     profile = cy.stability.cyclosis(CELL, GRID.n_theta)
@@ -49,6 +50,7 @@ def test_what_rotates_is_found_with_its_speed():
     assert np.abs(left).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_unstable_states_are_found_too():
     params = CELL.replace(alpha_p=0.1, alpha_u=0.0)
     grid = cy.CylinderGrid(32, 8, 5.0)

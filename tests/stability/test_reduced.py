@@ -39,6 +39,7 @@ def test_rate_is_that_of_the_whole_cell(axis, dealias):
     np.testing.assert_allclose(problem.state(problem.rate(y), grid), expected, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [0, 1])
 def test_jacobian_and_waves_hold_every_eigenvalue_of_the_whole_cell(axis):
     grid = cy.CylinderGrid(9, 11, 4.0) if axis == 1 else cy.CylinderGrid(11, 9, 4.0)

@@ -32,6 +32,7 @@ def test_cyclosis_at_the_parameters_of_figure_4():
     assert np.abs(rates).min() > 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("alpha_p", "growth"), [(0.1, 3.28547e-3), (0.2, 1.31966e-4)])
 def test_without_flow_stripes_are_the_exact_elliptic_ones_and_unstable(alpha_p, growth):
     problem, state = found(128, alpha_p=alpha_p, alpha_u=0.0)
@@ -87,6 +88,7 @@ def _stripes(alpha_p, mu=0.05, d_s=0.025, d_r=0.025):
     return alpha_p**2 * (1 + mu) * (2 * a + d_s) / (3 * d_r * a)
 
 
+@pytest.mark.slow
 def test_drifting_stripes_move_as_the_simulation_does():
     params = cy.Parameters(kappa=0.1)
     problem, state = found(64, 0.5, kappa=0.1)

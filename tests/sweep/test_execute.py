@@ -94,6 +94,7 @@ def test_only_what_is_missing_is_computed(client, tmp_path):
     assert {index: store.path_of(index).stat().st_mtime_ns for index in before} == before
 
 
+@pytest.mark.slow
 def test_a_script_needs_neither_a_guard_nor_a_folder_it_can_write_to(tmp_path):
     """Workers do not import the script that starts them, and leave nothing where it runs."""
     here = tmp_path / "here"
@@ -251,6 +252,7 @@ def test_a_sweep_waits_for_workers_and_outlives_them(scheduler, tmp_path):
         assert seen[-1] == 1
 
 
+@pytest.mark.slow
 def test_a_lost_scheduler_stops_the_sweep_with_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(running_cluster, "CONNECT_SECONDS", 1.0)
 

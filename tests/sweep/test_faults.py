@@ -126,6 +126,7 @@ def test_interrupted_it_says_how_far_it_is_and_goes_on(number, client, straight,
     assert differences(straight, tmp_path / "s") == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_script_that_loops_over_sweeps_ends_with_the_first(number, tmp_path):
     process = start([*made_up_command(0.3), "--workers", "1", "--script"], tmp_path / "s")

@@ -71,6 +71,7 @@ def test_handedness_and_turning_change_nothing():
         assert cy.vacuole.dispersion(other, 100.0).coefficient == pytest.approx(one, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", [0.0, 0.4 * np.pi])
 def test_random_walks_spread_as_fast(q):
     flow, peclet = bands(np.sin, q, n=16, n_z=8), 20.0

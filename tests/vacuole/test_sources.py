@@ -22,6 +22,7 @@ def kinetic():
     return cy.simulate(PARAMS, GRID, state, t_end=2.0, model=cy.models.kinetic)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["polar", "kinetic"])
 def test_a_run_its_dataset_its_file_and_its_states_give_one_flow(which, request, tmp_path):
     run = request.getfixturevalue(which)

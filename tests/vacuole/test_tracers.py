@@ -37,6 +37,7 @@ def test_splines_sum_to_one_and_match_at_knots(order):
     assert values[1:, -1] == pytest.approx(values[:-1, 0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "rate"), [(3, 4.0), (5, 6.0)])
 def test_the_velocity_converges_everywhere(order, rate):
     flow, points = stirred(16), places(300)
@@ -62,6 +63,7 @@ def test_fourth_order_in_time():
     assert np.all(np.abs(orders - 4) < 0.5)
 
 
+@pytest.mark.slow
 def test_the_stream_function_of_a_helix_is_conserved():
     q, starts = 0.4 * np.pi, places(60, most=0.95)
     flow = bands(np.sin, q, n=16)
@@ -79,6 +81,7 @@ def test_the_stream_function_of_a_helix_is_conserved():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("peclet", [None, 2.0])
 def test_none_leaves(peclet):
     starts = places(500)
@@ -88,6 +91,7 @@ def test_none_leaves(peclet):
     assert np.isfinite(paths.xyz).all()
 
 
+@pytest.mark.slow
 def test_noise_alone_spreads_as_it_should_and_stays_uniform():
     still = bands(lambda phi: 0 * phi, n=16, n_z=8)
     starts = places(4000)
@@ -101,6 +105,7 @@ def test_noise_alone_spreads_as_it_should_and_stays_uniform():
     assert np.array_equal(again.xyz, paths.xyz)
 
 
+@pytest.mark.slow
 def test_runs_carry_tracers_with_their_own_time():
     params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
     start = cy.initial.stripes(grid, magnitude=0.3)
@@ -116,6 +121,7 @@ def test_runs_carry_tracers_with_their_own_time():
         V.trace(flow, [[0.0, 0.0, 0.0]], 9.0)
 
 
+@pytest.mark.slow
 def test_single_precision_of_the_table_changes_little():
     flow, starts = stirred(16), places(50)
     one, other = (V.trace(flow, starts, 2.0, [2.0], order=3, precision=p).xyz for p in ("float64", "float32"))
@@ -135,6 +141,7 @@ def test_poincare_section_of_a_helix_lies_on_closed_curves():
     assert np.all(np.diff(found.t[found.tracer == 0]) > 0)
 
 
+@pytest.mark.slow
 def test_crossings_of_a_straight_flow_are_at_the_right_times():
     flow = bands(np.sin, n=16, n_z=8)
     paths = V.trace(flow, [[0.5, np.pi / 2, 1.0], [0.5, -np.pi / 2, 1.0]], 30.0, order=3)
@@ -153,6 +160,7 @@ def test_residence():
         V.residence_times(paths, lambda r, theta, z: z)
 
 
+@pytest.mark.slow
 def test_stretching():
     # In u_z = r sin(theta), a shear of rate 1, a distance grows as sqrt(1 + (t s)²): the exponent as ln(t)/t.
     flow, starts = bands(np.sin, n=16, n_z=8), places(60, most=0.8)
@@ -201,6 +209,7 @@ def test_bad_input_is_one_sentence(changed, named):
         V.trace(**given)
 
 
+@pytest.mark.slow
 def test_sections_need_places():
     paths = V.trace(bands(np.sin, n=16, n_z=8), [[0.5, 0.0, 0.0]], 1.0, [1.0], order=3)
     with pytest.raises(cy.InputError, match="paths"):

@@ -109,6 +109,7 @@ def manufactured(n_r, shape, dt=None, t_end=0.5):
     return np.abs(run.frames[0] - exact(t_end)(run.r[:, None, None], run.theta[:, None], run.z)).max()
 
 
+@pytest.mark.slow
 def test_convergence_is_spectral_in_the_radius():
     errors = [manufactured(n_r, (16, 8), dt=0.01) for n_r in (4, 6, 8, 12)]
     assert errors[0] > 0.01
@@ -123,6 +124,7 @@ def test_fourth_order_in_time():
     assert np.all(np.abs(orders - 4) < 0.3)
 
 
+@pytest.mark.slow
 def test_resolutions_agree_on_a_flow_without_symmetry():
     coarse, fine = (
         V.transport(stirred(), 30.0, V.Absorbing(), lump, 3.0, n_r=n_r, shape=(n, n))

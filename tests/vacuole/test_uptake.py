@@ -50,6 +50,7 @@ def test_without_flow_a_twisted_pattern_mixes_by_diffusion_alone():
     )
 
 
+@pytest.mark.slow
 def test_bands_of_the_wall():
     q = 0.4 * np.pi
     flow = twisted(0.0)

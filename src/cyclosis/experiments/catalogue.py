@@ -25,6 +25,7 @@ NAMES = (
     "cell-shape",
     "twist",
     "closure",
+    "vacuole-passive",
     "mixing",
     "streaming-transport",
 )
@@ -37,7 +38,7 @@ def experiment(name: str) -> Experiment:
     Example:
         >>> from cyclosis.experiments import NAMES, experiment
         >>> len(NAMES), experiment("recovery").source
-        (19, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
+        (20, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
     """
     chosen = choice("experiment", name, NAMES)
     module = import_module(f"{__package__}.{chosen.replace('-', '_')}")

@@ -78,15 +78,19 @@ class EqualStripes:
 
     def steady(self, alpha_u: float, guess: Array) -> Equal:
         """Return the steady state next to a guess (n,), or else the one to which full order relaxes."""
+        return self.beside(alpha_u, guess) or self.full(alpha_u)
+
+    def beside(self, alpha_u: float, guess: Array) -> Equal | None:
+        """Return the steady state next to a guess (n,), or None where Newton's method finds no stripes."""
         P = guess
         for _ in range(STEPS):
             change = self._own(P, alpha_u, self.rate(P, alpha_u))
             if not np.all(np.isfinite(change)) or np.abs(change).max() > LONGEST:
-                break
+                return None
             P = P - change
             if np.abs(change).max() < CLOSE:
-                return Equal(P, alpha_u) if self.striped(P) else self.full(alpha_u)
-        return self.full(alpha_u)
+                return Equal(P, alpha_u) if self.striped(P) else None
+        return None
 
     def at_amplitude(self, amplitude: float, near: Equal) -> Equal:
         """Return the steady state of a given amplitude next to another one; α_u follows from it.

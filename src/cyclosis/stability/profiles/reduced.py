@@ -107,9 +107,13 @@ def reduced(params: Parameters, grid: CylinderGrid, axis: int = 1) -> Reduced:
 
 
 def reduced_of(problem: Problem, axis: int = 1) -> Reduced:
-    """Return the `Reduced` equation of a problem of the polar model, always in double precision."""
+    """Return the `Reduced` equation of a problem, always in double precision.
+
+    Its model is the polar one, or the same with the drag of the vacuole.
+    """
     grid = problem.grid
-    whole = system(problem.params, grid, problem.terms, problem.dealias)
+    drag = float(problem.model.options.get("vacuole_drag", 0.0))
+    whole = system(problem.params, grid, problem.terms, problem.dealias, vacuole_drag=drag)
     k, turn = (grid.m, 2 * np.pi) if axis == 1 else (grid.q, grid.length)
     with on_host():
         line = jax.device_put(_restricted(whole, axis, (0,)))
