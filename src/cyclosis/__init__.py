@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from .analysis.diagnostics import spectra as spectra
     from .analysis.regimes import REGIMES as REGIMES
     from .analysis.regimes import Regime as Regime
+    from .closed.grid import ClosedGrid as ClosedGrid
+    from .closed.shapes import Capsule as Capsule
+    from .closed.shapes import Sphere as Sphere
+    from .closed.shapes import Spheroid as Spheroid
     from .dataset import RunWriter as RunWriter
     from .dataset import load as load
     from .dataset import open_dataset as open_dataset
@@ -55,10 +59,6 @@ if TYPE_CHECKING:
     from .model.filaments import TERMS as TERMS
     from .model.filaments import Term as Term
     from .model.grid import CylinderGrid as CylinderGrid
-    from .closed.grid import ClosedGrid as ClosedGrid
-    from .closed.shapes import Capsule as Capsule
-    from .closed.shapes import Sphere as Sphere
-    from .closed.shapes import Spheroid as Spheroid
     from .model.grid import interpolate as interpolate
     from .model.parameters import Parameters as Parameters
     from .model.scales import Scales as Scales

@@ -3,8 +3,8 @@
     grid = cyclosis.ClosedGrid(cyclosis.Capsule(length=5.0), k_max=24)
     run = cyclosis.simulate(cyclosis.Parameters(), grid, cyclosis.closed.disordered(grid, seed=1))
 
-On the surface harmonics diffusion and the flow are diagonal, and there is no pole trouble. The equations are in
-`cyclosis.closed.system`.
+In surface harmonics diffusion and the flow are diagonal, and there is no pole trouble. The equations are
+in `cyclosis.closed.system`.
 """
 
 from .defects import Defect as Defect

@@ -12,6 +12,8 @@ from ..model.spectral import pack
 from .grid import Array, ClosedGrid
 from .places import packed_at
 
+Whole = npt.NDArray[np.intp]
+
 STEPS = 8
 """Newton steps to the place of a defect from the middle of the square that holds it."""
 
@@ -69,14 +71,15 @@ def _turn(ratio: npt.NDArray[np.complex128]) -> Array:
 
 
 def _placed(
-    grid: ClosedGrid, p: npt.NDArray[np.complex128], rows: Array, columns: Array
+    grid: ClosedGrid, p: npt.NDArray[np.complex128], rows: Whole, columns: Whole
 ) -> tuple[Array, Array]:
     """Return where a packed field vanishes in some squares of the grid: Newton's method, kept inside."""
     x = grid.points.x
     tau = np.arccos(x)
     size = 2 * np.pi / grid.n_theta
     low, high = tau[columns], tau[columns + 1]
-    angle, latitude = (rows + 0.5) * size, 0.5 * (low + high)
+    angle: Array = (rows + 0.5) * size
+    latitude: Array = 0.5 * (low + high)
     step = 1e-5
     if len(rows):
         for _ in range(STEPS):

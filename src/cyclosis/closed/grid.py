@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -46,7 +46,7 @@ class ClosedGrid:
         np.float64(0.333333333333)
     """
 
-    surface: Shape = Capsule()
+    surface: Shape = field(default_factory=Capsule)
     k_max: float = 24.0
     n_theta: int = 0
     n_s: int = 0

@@ -81,7 +81,7 @@ def harmonics(shape: Shape, k_max: float) -> list[Harmonics]:
     """Return the `Harmonics` of every m from 0 on that has a vector with λ <= k_max²."""
     speed = shape.meridian(np.linspace(0, np.pi, 65)).speed.max()
     count = int(np.ceil(1.25 * k_max * speed)) + MARGIN
-    found = []
+    found: list[Harmonics] = []
     # p_m vanishes near the poles as r^|m - 1|; the metric adds a few more degrees.
     points = Weighted.of(shape, count + int(k_max) + 3 * MARGIN)
     while True:

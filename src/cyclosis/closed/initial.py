@@ -12,7 +12,7 @@ from .space import closed_space
 from .system import vector
 
 SQUARE = 2 * np.pi / 64 * 5 / 64
-"""Area of a square of the paper's grid of 64 x 64 points, in radii squared: that of `filaments_per_square`."""
+"""Area of a square of the paper's grid of 64 x 64 points, in radii squared."""
 
 
 def standard_modes(grid: ClosedGrid, stream: list[int]) -> npt.NDArray[np.complex128]:

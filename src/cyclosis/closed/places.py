@@ -71,7 +71,7 @@ def packed_at(grid: ClosedGrid, field: npt.NDArray[np.complex128], theta: Array,
 
 
 def interpolation(x: Array, at: Array) -> Array:
-    """Return the matrix (n, k) that interpolates polynomials from Gauss-Legendre points x (k,) to `at` (n,)."""
+    """Return the matrix (n, k) that interpolates polynomials from Gauss-Legendre x (k,) to `at` (n,)."""
     from numpy.polynomial import legendre
 
     weight = legendre.leggauss(len(x))[1][::-1]

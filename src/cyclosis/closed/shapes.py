@@ -223,7 +223,7 @@ def _curvature(s: Array, S: float, w: float, a: float) -> Array:
 
 
 _IMAGES = 3
-"""Periodic images of each pole that reach into the meridian; at most 2 are needed at the largest smoothing."""
+"""Periodic images of each pole that are summed; 2 are needed at the largest smoothing."""
 
 
 def _turning(s: Array, S: float, w: float, a: float) -> Array:

@@ -32,8 +32,8 @@ class ClosedSpace:
     `vector` (M + 1, n_s, J) and `flow` (M + 1, n_s, K) are values on the points, `to_vector` (M + 1, J, n_s)
     and `to_flow` (M + 1, K, n_s) the projections, with the areas of the points. `along` (2, n_s, n_s) is d/ds
     for even and odd m, `around` (2 M + 1, n_s) is (m - r')/r in the order of transforms. `k2` (2, M + 1, J)
-    are the eigenvalues λ, `keep` those entries that are modes, `parity` (M + 1, K) that of `Tables`, and `weights`
-    (n_theta, n_s) the shares of the points in the `area`.
+    are the eigenvalues λ, `keep` those entries that are modes, `parity` (M + 1, K) that of `Tables`, and
+    `weights` (n_theta, n_s) the shares of the points in the `area`.
     """
 
     vector: Any
@@ -88,7 +88,7 @@ class ClosedSpace:
         return self.keep * _gather(self.to_vector, self.from_points(field))
 
     def derivatives(self, latitudes: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Return the packed covariant derivatives D_θ and D_s, on the points, of functions of the latitude."""
+        """Return the covariant derivatives D_θ and D_s, packed and on the points."""
         along_theta = self.to_points(1j * self.around * latitudes)
         return along_theta, self.to_points(self.along_meridian(latitudes))
 

@@ -5,7 +5,8 @@
 
 in covariant derivatives. Terms, torques and custom terms are those of the polar model; only what they are
 evaluated on differs. Lap_B is the Bochner Laplacian: filaments wander with parallel transport of their
-directions, and |P| <= 1 stays so. A rigid rotation costs no viscosity. M stands for (P·d) d: see `REPULSIONS`.
+directions, and |P| <= 1 stays so. A rigid rotation costs no viscosity. M stands for (P·d) d: see
+`REPULSIONS`.
 """
 
 from __future__ import annotations
@@ -43,12 +44,13 @@ def _principal(k_theta: Array, k_s: Array) -> tuple[Array, Array]:
 
 def _polynomial(k_theta: Array, k_s: Array) -> tuple[Array, Array]:
     """Return those of M = B² - K I, a polynomial in the shape operator B."""
-    return k_theta * (k_theta - k_s), -k_s * (k_theta - k_s)
+    apart = k_theta - k_s
+    return k_theta * apart, -k_s * apart
 
 
 def _bounded(k_theta: Array, k_s: Array) -> tuple[Array, Array]:
     """Return those of M = d d (k_1² - k_2²)/(k_1² + k_2²), which is at most 1."""
-    share = (k_theta**2 - k_s**2) / (k_theta**2 + k_s**2)
+    share: Array = (k_theta**2 - k_s**2) / (k_theta**2 + k_s**2)
     return np.maximum(share, 0.0), np.maximum(-share, 0.0)
 
 
@@ -220,7 +222,7 @@ def closed_system(
 
 
 def refuse(params: Parameters, grid: ClosedGrid) -> None:
-    """Raise `InputError` for parameters that have no meaning on a closed surface, or fields of another grid."""
+    """Raise `InputError` for parameters that a closed surface cannot have, or fields of another grid."""
     if np.any(np.asarray(params.repulsion_angle) != 0):
         rule = "0 on a closed surface: the repulsive direction is that of the larger curvature"
         raise InputError("repulsion_angle", params.repulsion_angle, rule, "leave it out")

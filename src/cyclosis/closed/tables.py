@@ -20,8 +20,8 @@ class Tables(NamedTuple):
 
     `vector` (M + 1, n_s, J) holds p_mj(s), and `rate` (M + 1, J) λ; those of -m at s are those of m at S - s.
     `flow` (M + 1, n_s, K) holds the packed flow -(ψ' + (m/r) ψ) of the stream functions of the flow modes,
-    and `viscous` (M + 1, K) β; the flow of -m at s is -parity (M + 1, K) times that of m at S - s. `modes` and
-    `flows` say how many there are of each m, shape (M + 1,).
+    and `viscous` (M + 1, K) β; the flow of -m at s is -parity (M + 1, K) times that of m at S - s. `modes`
+    and `flows` say how many there are of each m, shape (M + 1,).
     """
 
     vector: Array

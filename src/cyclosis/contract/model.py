@@ -103,9 +103,10 @@ class Problem:
 class Model:
     """One physics: data, and functions of a `Problem`. `cyclosis.models` lists those there are.
 
-    `parameters` and `grid` are the classes of its arguments; `grid_of(**table)` makes a grid of a [grid] table,
-    by default its class, and `table_of` gives that table. Parameters have `items()`, `replace(**values)`
-    and `require_grid(grid)`, and can be compared; a grid is a frozen dataclass with a `shape`.
+    `parameters` and `grid` are the classes of its arguments; `grid_of(**table)` makes a grid of a [grid]
+    table, by default its class, and `table_of` gives that table. Parameters have `items()`,
+    `replace(**values)` and `require_grid(grid)`, and can be compared; a grid is a frozen dataclass with a
+    `shape`.
 
     The equation. `terms` selects the terms that act. `system` prepares a problem for a stepper, with its
     linear terms separate from the rest or not; `ramped` does so for parameters that change from those of one
@@ -120,18 +121,17 @@ class Model:
     resolution is too coarse, with their limits, judged once `decay_time` has passed, and `remedies` what some
     of them call for; `peak` names max |P|. `finer` says in words which grid is fine enough. `flow` gives the
     flow that modes drive, if the model has any. `regime` returns the regime of a state, with its `name`, one
-    of `regimes`, and its relative `rate` of change. With `lanes` the members of an ensemble are integrated
-    together, without them one by one. `starts` makes initial states for configurations. A sweep stores
-    `member_variables`, of which `member_row(member, outcome)` gives those that are not quantities of the
-    final state.
-
+    of `regimes`, its relative `rate` of change, and `details` in words. With `lanes` the members of an
+    ensemble are integrated together, without them one by one. `starts` makes initial states for
+    configurations. A sweep stores `member_variables`, of which `member_row(member, outcome)` gives those that
+    are not quantities of the final state.
 
     Files. `stored` lists what is stored of every frame, first the state itself (complex ones as pairs along a
     first dimension); `coordinates(grid, shape)` has the values along its dimensions, given the shape of a
     state, or None where that follows from the grid. `derive` returns a function of (params, state) that gives
     the rest of `stored` by name. `options` are what a [model] table says of the model. `attributes` are
-    further ones of a file, `geometry` is what it stores of the grid; `title` and `source` name what is in it. `caption` describes a grid, and
-    `picture` draws a state for a notebook.
+    further ones of a file, and `geometry` is what it stores of the grid; `title` and `source` name what is in
+    it. `caption` describes a grid, and `picture` draws a state for a notebook.
     """
 
     name: str

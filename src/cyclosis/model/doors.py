@@ -69,9 +69,7 @@ def _grids(signature: inspect.Signature) -> tuple[str, ...]:
     return tuple(kind for kind in GRIDS if kind in annotation) or GRIDS[:1]
 
 
-def required(
-    name: str, value: Any, call: str, model: Any = None, grids: tuple[str, ...] = GRIDS[:1]
-) -> None:
+def required(name: str, value: Any, call: str, model: Any = None, grids: tuple[str, ...] = GRIDS[:1]) -> None:
     """Raise `InputError` if an argument is not of the class for its name: the model's, if one is given.
 
     `grids` are the classes that a grid may have without a model.

@@ -261,7 +261,8 @@ def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: 
 
         -μ ∇²u + u + Π₀ e_z + ∇Π' = |P|ⁿ P,   ∇·u = 0,   <u_z> = 0
 
-    On a `cyclosis.ClosedGrid` it is the flow on that surface, (2, n_theta, n_s). Raises `InputError` if state or parameter fields do not match the grid. Source: Woodhouse &
+    On a `cyclosis.ClosedGrid` it is the flow on that surface, (2, n_theta, n_s).
+    Raises `InputError` if state or parameter fields do not match the grid. Source: Woodhouse &
     Goldstein 2013.
 
     Example:

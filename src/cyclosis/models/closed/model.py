@@ -132,7 +132,7 @@ def _made(repulsion: str) -> Model:
 _CLOSED = Model(
     name="closed",
     title="Self-organised cytoplasmic streaming on a closed surface",
-    source="Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110, on a closed surface",
+    source="Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110, on closed cells",
     parameters=Parameters,
     grid=ClosedGrid,
     grid_of=grid_of,

@@ -13,7 +13,7 @@ SETTINGS = ("length", "smoothing", "aspect")
 
 
 def grid_of(**table: Any) -> ClosedGrid:
-    """Return the grid of a [grid] table: `shape`, the settings of that shape, `k_max`, `n_theta` and `n_s`."""
+    """Return the grid of a [grid] table: `shape` and its settings, `k_max`, `n_theta` and `n_s`."""
     given = {key: value for key, value in table.items() if value is not None}
     kind = given.pop("shape", "capsule")
     own = {key: given.pop(key) for key in OWN if key in given}

@@ -66,6 +66,14 @@ class ClosedRegime:
     def __str__(self) -> str:
         return f"{self.name} ({self.reason})"
 
+    @property
+    def details(self) -> dict[str, str]:
+        """The defects and the circulation in words, by what they are."""
+        counts = {index: [found.index for found in self.defects].count(index) for index in (1, -1)}
+        listed = ", ".join(f"{count} of {index:+d}" for index, count in counts.items() if count)
+        x, y, z = self.circulation
+        return {"defects of P": listed or "none", "circulation": f"({x:.4f}, {y:.4f}, {z:.4f})"}
+
 
 def judged(grid: ClosedGrid, P: Array, u: Array, change: Array, turning: Array) -> ClosedRegime:
     """Return the regime of a state P, its flow u, its rate of change, and its derivative by theta.
