@@ -26,6 +26,7 @@ from ...model.system import ramped
 from ..polar_cylinder import polar, stays_cubic
 from . import quantities, starts, states, stored
 from .actions import act
+from .lanes import LANES
 from .shape_table import grid_of, table_of
 
 UNDERRESOLVED_TAIL = 1e-2
@@ -160,6 +161,7 @@ _CLOSED = Model(
     derive=stored.derive,
     regimes=states.REGIMES,
     regime=_regime,
+    lanes=LANES,
     starts=Starts(
         make=starts.closed_state,
         filled=starts.filled,

@@ -18,7 +18,8 @@ TAIL_FRACTION = 2.0 / 3.0
 """The spectral tail is beyond this fraction of k_max."""
 
 
-def _energy(system: ClosedSystem, modes: jax.Array) -> jax.Array:
+def energy(system: ClosedSystem, modes: jax.Array) -> jax.Array:
+    """Return the share of each harmonic in <|P|²>."""
     return 2 * np.pi / system.space.area * (modes.real**2 + modes.imag**2)
 
 
@@ -28,10 +29,11 @@ def _flow_energy(system: ClosedSystem, flow: jax.Array) -> jax.Array:
     return 2 * np.pi / system.space.area * twice * (flow.real**2 + flow.imag**2)
 
 
-def _tail(system: ClosedSystem, now: Moment) -> Any:
-    energy, k2 = _energy(system, now.spectrum), system.space.k2
-    beyond = jnp.sum(jnp.where(k2 > TAIL_FRACTION**2 * jnp.max(k2), energy, 0.0))
-    return jnp.sqrt(beyond / jnp.maximum(jnp.sum(energy), float(np.finfo(energy.dtype).tiny)))
+def tail(system: ClosedSystem, share: jax.Array) -> Any:
+    """Return the amplitude beyond `TAIL_FRACTION` of k_max over that of all, of shares in <|P|²>."""
+    k2 = system.space.k2
+    beyond = jnp.sum(jnp.where(k2 > TAIL_FRACTION**2 * jnp.max(k2), share, 0.0))
+    return jnp.sqrt(beyond / jnp.maximum(jnp.sum(share), float(np.finfo(share.dtype).tiny)))
 
 
 def _in_space(system: ClosedSystem, field: jax.Array) -> jax.Array:
@@ -64,7 +66,7 @@ QUANTITIES = (
         (),
         "1",
         "root mean square of the order vector",
-        lambda system, now: jnp.sqrt(jnp.sum(_energy(system, now.spectrum))),
+        lambda system, now: jnp.sqrt(jnp.sum(energy(system, now.spectrum))),
     ),
     Quantity(
         "max_P",
@@ -130,7 +132,7 @@ QUANTITIES = (
         (),
         "1",
         "root mean square rate of change of the order vector",
-        lambda system, now: jnp.sqrt(jnp.sum(_energy(system, system.rate(now)))),
+        lambda system, now: jnp.sqrt(jnp.sum(energy(system, system.rate(now)))),
     ),
     Quantity(
         "spectral_tail",
@@ -138,7 +140,7 @@ QUANTITIES = (
         (),
         "1",
         "amplitude beyond two thirds of k_max over that of all harmonics",
-        _tail,
+        lambda system, now: tail(system, energy(system, now.spectrum)),
     ),
     Quantity("budget", "<P·term>", ("term",), "1", "what each term adds to d/dt <|P|²>/2", _budget),
 )
