@@ -1,13 +1,14 @@
 // The picture of the cell: the cylinder and the unwrapped map, drawn from the frames of the server.
 
-import type { Frame, Palette } from '../protocol';
+import type { Frame, Inside, Palette } from '../protocol';
 import { Control, type Tool } from './control';
 import { Cylinder } from './cylinder';
 import { Fields } from './fields';
 import { UnwrappedMap } from './map';
-import { Particles } from './particles';
+import { CALM, PACE, Particles } from './particles';
 import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
+import { Tracers } from './tracers';
 import { View } from './view';
 
 export type { Tool } from './control';
@@ -29,6 +30,9 @@ const PATIENCE = 150;
 /** Tracer particles; few for visitors who prefer less motion, and if the processor draws them. */
 const MANY = 900;
 const FEW = 300;
+/** Tracers inside the opened cell, likewise. */
+const MANY_INSIDE = 600;
+const FEW_INSIDE = 250;
 
 export class Scene {
   playing = false;
@@ -38,7 +42,11 @@ export class Scene {
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
   private readonly view = new View();
+  /** What the page asks of the server for the inside. */
+  readonly wanted: { tracers: number; pace: number };
+
   private readonly particles: Particles;
+  private readonly tracers = new Tracers();
   private readonly map: UnwrappedMap;
   private readonly control: Control;
   private readonly quality = new Quality();
@@ -51,6 +59,8 @@ export class Scene {
 
   private last = 0;
   private lastShown = -1;
+  /** How far the tracers were on their way when they were last drawn. */
+  private drawnInside = 1;
   private mapped = { at: 0, version: -1, mixing: -1 };
   private linesAt = 0;
   /** Something other than the cell has changed: redraw the map, or everything. */
@@ -62,6 +72,7 @@ export class Scene {
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
     const software = (this.software = inSoftware());
     this.particles = new Particles(calm, calm || software ? FEW : MANY);
+    this.wanted = { tracers: calm || software ? FEW_INSIDE : MANY_INSIDE, pace: calm ? CALM * PACE : PACE };
     this.map = new UnwrappedMap(palette, this.particles);
     const label = (canvas: HTMLCanvasElement, text: string): void => {
       canvas.tabIndex = 0;
@@ -78,7 +89,7 @@ export class Scene {
     place(options.map, this.map.still, this.map.moving);
     this.canvas.style.touchAction = 'none';
     try {
-      this.cylinder = new Cylinder(this.canvas, this.particles, palette, dark, software);
+      this.cylinder = new Cylinder(this.canvas, this.particles, this.tracers, palette, dark, software);
     } catch {
       const missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
       this.canvas.hidden = true;
@@ -98,8 +109,28 @@ export class Scene {
     requestAnimationFrame(this.loop);
   }
 
-  get statistics(): { frames: number; fps: number; lastShown: number } {
-    return { frames: this.quality.frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown };
+  get statistics(): { frames: number; fps: number; lastShown: number; inside: number; tracers: number } {
+    const { version, count } = this.tracers;
+    const { frames } = this.quality;
+    return { frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown, inside: version, tracers: count };
+  }
+
+  get opens(): boolean {
+    return this.cylinder !== null;
+  }
+
+  /** Take the front of the cylinder away, or close it. */
+  setOpen(open: boolean): void {
+    this.view.open = open && this.opens;
+    if (!open) this.tracers.clear();
+    this.dirty = true;
+  }
+
+  /** The flow inside the cell of the last picture. */
+  showInside(inside: Inside): void {
+    if (!this.view.open || this.fields.empty || inside.length !== this.fields.length) return;
+    this.tracers.take(inside, performance.now());
+    this.dirty = true;
   }
 
   /**
@@ -152,6 +183,7 @@ export class Scene {
   clear(): void {
     this.fields.clear();
     this.lastShown = -1;
+    this.tracers.clear();
     this.stale = this.dirty = true;
   }
 
@@ -190,7 +222,8 @@ export class Scene {
     if (now < this.waits) return;
     // Nothing is drawn without a change: a paused cell costs nothing.
     const moves = this.playing && !fields.empty;
-    const passes = this.mapped.version !== fields.version || this.mapped.mixing < 1;
+    const passes =
+      this.mapped.version !== fields.version || this.mapped.mixing < 1 || (this.view.open && this.drawnInside < 1);
     if (!moves && !this.dirty && !(passes && !fields.empty)) return;
     this.last = now;
     if (moves) this.particles.step(fields, Math.min(since, 100) / 1000);
@@ -218,7 +251,8 @@ export class Scene {
       this.stale = false;
     }
     map.drawMoving(fields, control.mark, view.turn);
-    if (!this.lost) this.cylinder?.draw(fields, mixing, view, control.mark, this.quality.ratio);
+    this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
+    if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.quality.ratio);
   }
 }
 
