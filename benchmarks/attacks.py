@@ -294,10 +294,36 @@ def files(port: int, seconds: float) -> str:
     return together(act, port, seconds, 20)
 
 
+def insides(port: int, seconds: float) -> str:
+    """Play the largest cells at full speed with as many tracers as are allowed, and switch them again and again."""
+    begin = {"do": "begin", "setup": {"grid": {"n_theta": 128, "n_z": 128}}}
+
+    def act(port: int, end: float) -> str:
+        heard = 0
+        with visit(port) as wire:
+            for words in (begin, PLAY, {"do": "speed", "value": 100}):
+                ask(wire, **words)
+            while time.monotonic() < end:
+                if isinstance(wire.recv(30), bytes):
+                    heard += 1
+                    ask(wire, do="seen", frame=0)
+                    ask(
+                        wire,
+                        do="vacuole",
+                        on=heard % 8 != 0,
+                        tracers=1000,
+                        pace=2.0 - 1e-3 * (heard // 4 % 2),
+                    )
+        return "served"
+
+    return together(act, port, seconds)
+
+
 ATTACKS: dict[str, Callable[[int, float], str]] = {
     attack.__name__: attack
     for attack in (
         *(malformed, huge, bomb, fragments, pings, tiny, unread, valid, grids, largest, protocols),
         *(regions, noise, curves, crowd, signs, tokens, returns, strangers, abrupt, half_open, bodies, files),
+        insides,
     )
 }

@@ -13,6 +13,7 @@ import struct
 import time as clock
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ KIND = 1
 """The second number of a message, which is 0 in a picture."""
 EVERY, SHARE = 0.12, 4.0
 """Least seconds between two messages, and at least so many times as long as one took to compute."""
-LATEST = 0.3
+LATEST = 0.5
 """Most seconds of motion in one message."""
 SLOWS_BELOW = 0.15
 """Below this share of the largest flow so far, tracers slow down with it, as the page's specks do."""
@@ -54,7 +55,9 @@ class Tracers:
         self.xyz = scattered(count, grid.length)
         self.pace = pace * (grid.length / 12 if grid.length > 12 else min(1.0, grid.length))
         self.largest = 0.0
-        r, theta = np.meshgrid(np.linspace(0, 1, RINGS), 2 * np.pi / SECTORS * np.arange(SECTORS), indexing="ij")
+        r, theta = np.meshgrid(
+            np.linspace(0, 1, RINGS), 2 * np.pi / SECTORS * np.arange(SECTORS), indexing="ij"
+        )
         self.section = np.stack([(r * np.cos(theta)).ravel(), (r * np.sin(theta)).ravel(), 0 * r.ravel()])
         self.section[2] = 0.5 * grid.length
 
@@ -91,7 +94,6 @@ class Inside:
     def __init__(self, work: Work, show: Callable[[bytes], Awaitable[None]]) -> None:
         self.work, self.show = work, show
         self.wanted: messages.Vacuole | None = None
-        self.tracers: tuple[Any, Tracers] | None = None
         self.seen: Seen | None = None
         self.fresh = asyncio.Event()
         self.task: asyncio.Task[None] | None = None
@@ -103,13 +105,12 @@ class Inside:
         return {"vacuole": self.wanted.tracers} if self.wanted else {}
 
     def turn(self, ask: messages.Vacuole) -> None:
-        """Begin, change or end."""
-        if self.task is not None:
-            self.task.cancel()
+        """Begin, change or end; what is wanted already goes on."""
+        if ask.on and self.wanted is not None and self.wanted.model_copy(update={"n": ask.n}) == ask:
+            return
+        self.end()
         self.wanted = ask if ask.on else None
-        self.seen, self.tracers, self.task = None, None, None
-        if ask.on:
-            self.task = asyncio.create_task(self._watch(ask))
+        self.task = asyncio.create_task(self._watch(ask)) if ask.on else None
 
     def see(self, seen: Seen) -> None:
         """A picture was sent."""
@@ -119,25 +120,24 @@ class Inside:
 
     def end(self) -> None:
         """Send nothing more."""
+        self.seen = None
+        self.fresh.clear()
         if self.task is not None:
             self.task.cancel()
 
     async def _watch(self, ask: messages.Vacuole) -> None:
+        of, tracers = -1, None
         while True:
             await asyncio.sleep(max(0.0, self.due - clock.monotonic()))
             await self.fresh.wait()
             self.fresh.clear()
-            if self.seen is None:
+            if (seen := self.seen) is None:
                 continue
-            began, seen = clock.monotonic(), self.seen
+            began = clock.monotonic()
             seconds = min(LATEST, began - self.moved_at) if seen.playing else 0.0
             self.moved_at, self.due = began, began + EVERY
-            data = await self.work.aside(lambda seen=seen, seconds=seconds: self._message(ask, seen, seconds))
+            if tracers is None or of != seen.begun:
+                of, tracers = seen.begun, Tracers(seen.grid, ask.tracers, ask.pace)
+            data = await self.work.aside(partial(tracers.message, seen, seconds))
             self.due = began + max(EVERY, SHARE * (clock.monotonic() - began))
             await self.show(data)
-
-    def _message(self, ask: messages.Vacuole, seen: Seen, seconds: float) -> bytes:
-        cell = (seen.begun, seen.grid)
-        if self.tracers is None or self.tracers[0] != cell:
-            self.tracers = cell, Tracers(seen.grid, ask.tracers, ask.pace)
-        return self.tracers[1].message(seen, seconds)

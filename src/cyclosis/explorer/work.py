@@ -47,7 +47,7 @@ class Work:
         self.long = ThreadPoolExecutor(1, "long")
         self.slow = ThreadPoolExecutor(1, "slow")
         self.ahead = ThreadPoolExecutor(1, "ahead", _low_priority)
-        self.inside = ThreadPoolExecutor(1, "inside", _low_priority)
+        self.inside = ThreadPoolExecutor(1, "inside", _low_priority, (5,))
         self.visits = 0
         self.took = 10.0
 
@@ -137,10 +137,10 @@ class Work:
         _locks.clear()
 
 
-def _low_priority() -> None:
+def _low_priority(niceness: int = 10) -> None:
     """Give this thread a low priority, where threads have priorities."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), niceness)
 
 
 async def _within(threads: ThreadPoolExecutor, work: Callable[[], Any]) -> Any:

@@ -1,8 +1,8 @@
 """Tracers in the vacuole of a cell that is still being computed: cheap, for pictures.
 
-Nothing is compiled. The velocity comes from the cubic splines of `splines`, on the points of the cell's grid, and is
-evaluated by SciPy. It is that of `VacuoleFlow.at` to 2 % of the largest speed in disorder, whose waves are
-short, and far closer once streams have formed; `cyclosis.vacuole.trace` follows tracers accurately.
+Nothing is compiled. The velocity comes from the cubic splines of `splines`, on the points of the cell's grid,
+and is evaluated by SciPy. It is that of `VacuoleFlow.at` to 2 % of the largest speed in disorder, whose waves
+are short, and to 0.1 % once streams have formed; `cyclosis.vacuole.trace` follows tracers accurately.
 """
 
 from __future__ import annotations

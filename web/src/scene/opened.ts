@@ -4,7 +4,8 @@ import * as THREE from 'three';
 import { rimFragment, rimVertex, sectionFragment, sectionVertex, tracerFragment, tracerVertex } from './openshaders';
 import { ROWS, type Tracers } from './tracers';
 
-const WIDTH = 3.4;
+/** CSS pixels across a ribbon at its head, its soft edge included. */
+const WIDTH = 5;
 const AROUND = 96;
 
 export class Opened {
@@ -149,5 +150,6 @@ function rims(): THREE.BufferGeometry {
   }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('place', new THREE.BufferAttribute(new Float32Array(place), 2));
+  geometry.setIndex(place.slice(place.length / 2).map((_, k) => k));
   return geometry;
 }

@@ -34,7 +34,7 @@ void main() {
   float size = length(way);
   way = size > 1e-3 ? way / size : vec2(0.0, 1.0);
   float along = first ? 1.0 : max(1.0 - (place.x - 1.0 + mixing) / (rows - 1.0), 0.0);
-  float half_width = 0.5 * width * (0.35 + 0.65 * along);
+  float half_width = 0.5 * width * (0.45 + 0.55 * along);
   point.xy += vec2(-way.y, way.x) * place.y * 2.0 * half_width / screen;
   // A tracer at rest is a dot.
   if (first) point.xy += way * 2.0 * half_width / screen;
@@ -60,8 +60,8 @@ void main() {
   tint = mix(grey, tint, smoothstep(0.05, 0.5, abs(share)));
   // A dark edge sets it off against a wall of its own colour.
   float inwards = (1.0 - abs(ribbon.y)) * ribbon.z;
-  tint = mix(ink, tint, smoothstep(0.3 * pixel, 0.9 * pixel, inwards));
-  colour = vec4(tint, pow(ribbon.x, 1.3) * (0.7 + 0.3 * at.y));
+  tint = mix(ink, tint, smoothstep(0.5 * pixel, 1.3 * pixel, inwards));
+  colour = vec4(tint, smoothstep(0.0, 0.9 * pixel, inwards) * pow(ribbon.x, 1.2) * (0.75 + 0.25 * at.y));
 }`;
 
 export const sectionVertex = /* glsl */ `
@@ -75,7 +75,7 @@ out float share;
 void main() {
   disc = place.y * vec2(sin(place.x - turn), cos(place.x - turn));
   share = mix(shares.x, shares.y, mixing);
-  gl_Position = toScreen * vec4(0.995 * disc.x, 0.0, 0.995 * disc.y, 1.0);
+  gl_Position = toScreen * vec4(0.985 * disc.x, 0.0, 0.985 * disc.y, 1.0);
 }`;
 
 export const sectionFragment = /* glsl */ `
@@ -93,7 +93,7 @@ void main() {
   float r = length(disc);
   float steep = length(vec2(disc.x, disc.y / max(abs(sin(tilt)), 0.02))) / max(r, 1e-3);
   float rim = radius * (1.0 - r) / max(steep, 1.0);
-  colour = vec4(mix(ink, base, smoothstep(0.0, 1.4 * pixel, rim)), 1.0);
+  colour = vec4(mix(ink, base, smoothstep(0.5 * pixel, 1.7 * pixel, rim)), 1.0);
 }`;
 
 export const rimVertex = /* glsl */ `

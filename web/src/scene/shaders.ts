@@ -71,7 +71,7 @@ void main() {
   float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34));
   colour = vec4(base * light + 0.045 * gloss * (1.0 - inner), 1.0);
   // What is in front of it stands out.
-  colour.rgb = mix(colour.rgb, paper, 0.4 * inner);
+  colour.rgb = mix(colour.rgb, paper, 0.6 * inner);
 
   // The indifferent zone: of constant width, absent where filaments on its two sides do not differ in direction.
   float slope = length(vec2(dFdx(P.x), dFdy(P.x))) + 1e-7;
