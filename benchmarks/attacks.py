@@ -295,7 +295,7 @@ def files(port: int, seconds: float) -> str:
 
 
 def insides(port: int, seconds: float) -> str:
-    """Play the largest cells at full speed with as many tracers as are allowed, and switch them again and again."""
+    """Play the largest cells at full speed, with as many tracers as are allowed on and off again."""
     begin = {"do": "begin", "setup": {"grid": {"n_theta": 128, "n_z": 128}}}
 
     def act(port: int, end: float) -> str:

@@ -1,8 +1,8 @@
 """The flow inside the cell, for a visitor who asked for it: tracers, and the axial velocity on a section.
 
-It is computed from the flow of the picture that was last sent, in a thread of its own, and touches neither the cell nor
-its pictures. Tracers move at the pace of the page's specks, in the flow as it is at the moment: at every speed of
-the cell, and in a weak flow, their motion can be seen.
+It is computed from the flow of the picture that was last sent, in a thread of its own, and touches neither the
+cell nor its pictures. Tracers move at the pace of the page's specks, in the flow as it is at the moment: so
+their motion can be seen at every speed of the cell, and in a weak flow.
 """
 
 from __future__ import annotations
@@ -55,11 +55,9 @@ class Tracers:
         self.xyz = scattered(count, grid.length)
         self.pace = pace * (grid.length / 12 if grid.length > 12 else min(1.0, grid.length))
         self.largest = 0.0
-        r, theta = np.meshgrid(
-            np.linspace(0, 1, RINGS), 2 * np.pi / SECTORS * np.arange(SECTORS), indexing="ij"
-        )
-        self.section = np.stack([(r * np.cos(theta)).ravel(), (r * np.sin(theta)).ravel(), 0 * r.ravel()])
-        self.section[2] = 0.5 * grid.length
+        r, theta = np.linspace(0, 1, RINGS)[:, None], 2 * np.pi / SECTORS * np.arange(SECTORS)
+        places = np.broadcast_arrays(r * np.cos(theta), r * np.sin(theta), 0.5 * grid.length)
+        self.section = np.stack(places).reshape(3, -1)
 
     def message(self, seen: Seen, seconds: float) -> bytes:
         """Return the data of a message (see `web/src/protocol.ts`) after `seconds` of motion."""
