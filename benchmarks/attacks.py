@@ -307,13 +307,8 @@ def insides(port: int, seconds: float) -> str:
                 if isinstance(wire.recv(30), bytes):
                     heard += 1
                     ask(wire, do="seen", frame=0)
-                    ask(
-                        wire,
-                        do="vacuole",
-                        on=heard % 8 != 0,
-                        tracers=1000,
-                        pace=2.0 - 1e-3 * (heard // 4 % 2),
-                    )
+                    on, pace = heard % 8 != 0, 2.0 - heard // 4 % 2
+                    ask(wire, do="vacuole", on=on, tracers=1000, pace=pace)
         return "served"
 
     return together(act, port, seconds)

@@ -1,8 +1,8 @@
 """The flow inside the cell, for a visitor who asked for it: tracers, and the axial velocity on a section.
 
-It is computed from the flow of the picture that was last sent, in a thread of its own, and touches neither the
-cell nor its pictures. Tracers move at the pace of the page's specks, in the flow as it is at the moment: so
-their motion can be seen at every speed of the cell, and in a weak flow.
+It is computed from the flow of the picture that was last sent, in a thread of its own, and touches neither
+the cell nor its pictures. Tracers move at the pace of the page's specks, in the flow as it is at the moment,
+so that their motion can be seen at every speed of the cell, and in a weak flow.
 """
 
 from __future__ import annotations
