@@ -273,6 +273,7 @@ def test_what_the_cell_does_is_said_without_numbers_that_need_a_manual(page):
 
 def test_the_cell_opens_and_shows_the_flow_inside(page, address):
     """By a click and by a key; the browser remembers it, and the cell stays the same."""
+    unfold(page)
     wait(page, "window.cyclosis.statistics().lastShown >= 0")
     print_of = fingerprint(page)
     button = page.locator("#inside")
