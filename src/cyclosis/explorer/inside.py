@@ -25,7 +25,7 @@ from .work import Work
 KIND = 1
 """The second number of a message, which is 0 in a picture."""
 EVERY, SHARE = 0.12, 4.0
-"""Least seconds between two messages, and at least so many times as long as one took to compute."""
+"""Least seconds between two messages, and at least so many times the processor's time that one took."""
 LATEST = 0.5
 """Most seconds of motion in one message."""
 SLOWS_BELOW = 0.15
@@ -136,6 +136,12 @@ class Inside:
             self.moved_at, self.due = began, began + EVERY
             if tracers is None or of != seen.begun:
                 of, tracers = seen.begun, Tracers(seen.grid, ask.tracers, ask.pace)
-            data = await self.work.aside(partial(tracers.message, seen, seconds))
-            self.due = began + max(EVERY, SHARE * (clock.monotonic() - began))
+            data, spent = await self.work.aside(partial(_timed, tracers, seen, seconds))
+            self.due = began + max(EVERY, SHARE * spent)
             await self.show(data)
+
+
+def _timed(tracers: Tracers, seen: Seen, seconds: float) -> tuple[bytes, float]:
+    """Return a message, and the processor's time that it took, in seconds."""
+    began = clock.thread_time()
+    return tracers.message(seen, seconds), clock.thread_time() - began
