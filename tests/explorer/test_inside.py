@@ -15,7 +15,7 @@ from cyclosis.vacuole.live import Interior, scattered
 
 HOST = "http://localhost:8765"
 SETUP = {"grid": {"n_theta": 16, "n_z": 16}, "parameters": {"d_s": 0.2}}
-GRIDS = [(8, 8, 5.0), (9, 15, 1e-2), (33, 16, 1e4), (128, 128, 5.0)]
+GRIDS = [(8, 1, 5.0), (9, 15, 1e-2), (33, 16, 1e4), (128, 128, 5.0)]
 """The smallest, odd, long and short ones, and the largest that the explorer takes."""
 
 

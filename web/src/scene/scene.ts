@@ -30,9 +30,12 @@ const PATIENCE = 150;
 /** Tracer particles; few for visitors who prefer less motion, and if the processor draws them. */
 const MANY = 900;
 const FEW = 300;
-/** Tracers inside the opened cell, likewise. */
-const MANY_INSIDE = 600;
+/** Tracers inside the opened cell, likewise, and few in a narrow picture. */
+const MANY_INSIDE = 450;
 const FEW_INSIDE = 250;
+const NARROW = 420;
+
+const KEYS = 'Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.';
 
 export class Scene {
   playing = false;
@@ -42,9 +45,6 @@ export class Scene {
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
   private readonly view = new View();
-  /** What the page asks of the server for the inside. */
-  readonly wanted: { tracers: number; pace: number };
-
   private readonly particles: Particles;
   private readonly tracers = new Tracers();
   private readonly map: UnwrappedMap;
@@ -53,6 +53,7 @@ export class Scene {
   private cylinder: Cylinder | null = null;
   private lost = false;
   private readonly software: boolean;
+  private readonly calm: boolean;
   /** Nothing is drawn before this time, to make room for an answer; `owed` until something was drawn. */
   private waits = 0;
   private owed = false;
@@ -69,17 +70,16 @@ export class Scene {
 
   constructor(private readonly options: SceneOptions) {
     const { palette, dark } = options;
-    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const calm = (this.calm = matchMedia('(prefers-reduced-motion: reduce)').matches);
     const software = (this.software = inSoftware());
     this.particles = new Particles(calm, calm || software ? FEW : MANY);
-    this.wanted = { tracers: calm || software ? FEW_INSIDE : MANY_INSIDE, pace: calm ? CALM * PACE : PACE };
     this.map = new UnwrappedMap(palette, this.particles);
     const label = (canvas: HTMLCanvasElement, text: string): void => {
       canvas.tabIndex = 0;
       canvas.setAttribute('role', 'application');
       canvas.setAttribute('aria-label', text);
     };
-    label(this.canvas, 'The cell as a cylinder. Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.');
+    label(this.canvas, `The cell as a cylinder. ${KEYS}`);
     label(
       this.map.moving,
       'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cylinder.',
@@ -119,9 +119,16 @@ export class Scene {
     return this.cylinder !== null;
   }
 
+  /** What the page asks of the server for the inside. */
+  get wanted(): { tracers: number; pace: number } {
+    const few = this.calm || this.software || this.view.width < NARROW;
+    return { tracers: few ? FEW_INSIDE : MANY_INSIDE, pace: this.calm ? CALM * PACE : PACE };
+  }
+
   /** Take the front of the cylinder away, or close it. */
   setOpen(open: boolean): void {
     this.view.open = open && this.opens;
+    this.canvas.setAttribute('aria-label', `The cell as a cylinder${open ? ', opened, with the flow inside' : ''}. ${KEYS}`);
     if (!open) this.tracers.clear();
     this.dirty = true;
   }
