@@ -13,7 +13,7 @@ from ..model.grid import Array
 from .flow import VacuoleFlow
 from .splines import FRONT, coefficients, lattice_of
 
-DIAMETER = 24
+DIAMETER = 16
 """Points over the diameter."""
 LONGEST = 0.15
 """Longest step of a tracer that moves as fast as the wall, in radii."""
