@@ -15,7 +15,7 @@ export class Opened {
   /** Every place twice, with a row before the first and after the last. */
   private rows = new Float32Array(0);
   private count = 0;
-  private points = 0;
+  private shares = new Float32Array(0);
   private version = -1;
   private readonly own = {
     mixing: { value: 1 },
@@ -64,7 +64,7 @@ export class Opened {
 
   private take(): void {
     const { tracers } = this;
-    if (tracers.count !== this.count || tracers.section.length !== 2 * this.points) this.build();
+    if (tracers.count !== this.count || tracers.section !== this.shares) this.build();
     if (tracers.empty || !this.ribbons || !this.section) return;
     const { rows } = this;
     for (let from = 0, to = 8 * this.count; from < tracers.rows.length; from += 4, to += 8) {
@@ -84,7 +84,7 @@ export class Opened {
     this.ribbons = this.section = null;
     const { count, rings, sectors, section } = this.tracers;
     this.count = count;
-    this.points = section.length / 2;
+    this.shares = section;
     if (!count) return;
     const ribbons = this.material(tracerVertex, tracerFragment);
     Object.assign(ribbons, { transparent: true, depthWrite: false });

@@ -97,9 +97,8 @@ void main() {
 }`;
 
 export const rimVertex = /* glsl */ `
-in vec2 place;
+in vec2 place; // angle, and height from 0 to 1
 uniform mat4 toScreen;
-uniform float turn;
 uniform float cell;
 void main() {
   gl_Position = toScreen * vec4(sin(place.x), (place.y - 0.5) * cell, cos(place.x), 1.0);
