@@ -283,6 +283,7 @@ def test_the_cell_opens_and_shows_the_flow_inside(page, address):
     wait(page, "window.cyclosis.statistics().tracers > 0 && cell.vacuole > 0")
     assert button.get_attribute("aria-pressed") == "true"
     assert page.locator(".key-inside").is_visible()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     page.locator(".key-bar button.explain").press("Enter")
     assert "vacuole" in page.inner_text(".key-bar .explained")
     page.keyboard.press("Escape")
