@@ -152,6 +152,8 @@ class Page:
             self.hash = words
         elif words["type"] == "refused":
             self.refused = words["sentence"]
+        elif words["type"] in ("welcome", "resumed"):
+            self.token = words["token"]
         elif words["type"] == "alive":
             self.ask(do="alive")
 
@@ -166,11 +168,18 @@ class Page:
 
 
 @pytest.fixture
-def page():
-    with (
-        TestClient(application(ServerLimits(sessions=2, idle_seconds=30.0)), base_url=HOST) as client,
-        client.websocket_connect("/cell", headers={"host": "localhost:8765"}) as socket,
-    ):
+def client():
+    with TestClient(application(ServerLimits(sessions=2, idle_seconds=30.0)), base_url=HOST) as client:
+        yield client
+
+
+def connected(client):
+    return client.websocket_connect("/cell", headers={"host": "localhost:8765"})
+
+
+@pytest.fixture
+def page(client):
+    with connected(client) as socket:
         yield Page(socket)
 
 
@@ -231,6 +240,22 @@ def test_as_many_messages_come_as_are_allowed_however_often_they_are_asked_for(p
     page.hash = None
     page.until(lambda: page.hash and page.inside and page.inside[-1][0]["tracers"] == 29)
     assert len(page.inside) <= 1 + (time.monotonic() - began) / inside.EVERY
+
+
+def test_the_inside_goes_on_over_another_connection(client):
+    with connected(client) as socket:
+        page = Page(socket)
+        page.ask(do="begin", setup=SETUP)
+        page.ask(do="play")
+        page.ask(do="vacuole", on=True, tracers=50)
+        page.until(lambda: len(page.inside) > 2)
+    with connected(client) as socket:
+        again = Page(socket)
+        again.ask(do="resume", token=page.token)
+        again.until(lambda: len(again.inside) > 2)
+    assert again.cells[-1]["vacuole"] == 50
+    assert again.inside[-1][0]["t"] > page.inside[-1][0]["t"]
+    assert again.inside[-1][1].shape == (3, 50)
 
 
 def test_before_a_cell_the_switch_is_refused(page):
