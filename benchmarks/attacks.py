@@ -294,10 +294,31 @@ def files(port: int, seconds: float) -> str:
     return together(act, port, seconds, 20)
 
 
+def insides(port: int, seconds: float) -> str:
+    """Play the largest cells at full speed, with as many tracers as are allowed on and off again."""
+    begin = {"do": "begin", "setup": {"grid": {"n_theta": 128, "n_z": 128}}}
+
+    def act(port: int, end: float) -> str:
+        heard = 0
+        with visit(port) as wire:
+            for words in (begin, PLAY, {"do": "speed", "value": 100}):
+                ask(wire, **words)
+            while time.monotonic() < end:
+                if isinstance(wire.recv(30), bytes):
+                    heard += 1
+                    ask(wire, do="seen", frame=0)
+                    on, pace = heard % 8 != 0, 2.0 - heard // 4 % 2
+                    ask(wire, do="vacuole", on=on, tracers=1000, pace=pace)
+        return "served"
+
+    return together(act, port, seconds)
+
+
 ATTACKS: dict[str, Callable[[int, float], str]] = {
     attack.__name__: attack
     for attack in (
         *(malformed, huge, bomb, fragments, pings, tiny, unread, valid, grids, largest, protocols),
         *(regions, noise, curves, crowd, signs, tokens, returns, strangers, abrupt, half_open, bodies, files),
+        insides,
     )
 }

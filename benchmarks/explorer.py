@@ -43,6 +43,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--address", default="http://127.0.0.1:8765/")
     parser.add_argument("--gpu", choices=("vulkan", "gl-egl"), help="let the browser draw on a GPU")
+    parser.add_argument("--inside", action="store_true", help="open the cell and show the flow inside")
     parser.add_argument("--seconds", type=float, default=10.0)
     given = parser.parse_args()
     with sync_playwright() as driver:
@@ -55,12 +56,17 @@ def main() -> None:
         print(f"drawn by              {page.evaluate(RENDERER)}")
         if page.get_attribute("#play", "aria-pressed") != "true":
             page.locator("#play").press("Enter")
+        if given.inside:
+            page.locator("#inside").press("Enter")
         time.sleep(4.0)
         first, began = page.evaluate("window.cyclosis.statistics()"), time.perf_counter()
         time.sleep(given.seconds)
         last, spent = page.evaluate("window.cyclosis.statistics()"), time.perf_counter() - began
         print(f"pictures per second   {(last['frames'] - first['frames']) / spent:.1f}")
         print(f"time units per second {(last['t'] - first['t']) / spent:.2f}")
+        if given.inside:
+            told = (last["inside"] - first["inside"]) / spent
+            print(f"tracers               {last['tracers']}, told {told:.1f} times a second")
         slider = "document.querySelector('#slider-alpha_u')"
         low, high = (float(page.evaluate(f"{slider}.{end}")) for end in ("min", "max"))
         waits = []

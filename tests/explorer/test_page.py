@@ -269,3 +269,39 @@ def test_what_the_cell_does_is_said_without_numbers_that_need_a_manual(page):
     assert not any(word in said for word in ("relaxing", "undecided", "widths", " at -", "zone"))
     page.locator("#now button.explain").press("Enter")
     assert "U/R" in page.locator("#now .explained").inner_text()
+
+
+def test_the_cell_opens_and_shows_the_flow_inside(page, address):
+    """By a click and by a key; the browser remembers it, and the cell stays the same."""
+    unfold(page)
+    wait(page, "window.cyclosis.statistics().lastShown >= 0")
+    print_of = fingerprint(page)
+    button = page.locator("#inside")
+    assert button.get_attribute("aria-pressed") == "false"
+    closed = picture(page, "#cylinder")
+    button.click()
+    wait(page, "window.cyclosis.statistics().tracers > 0 && cell.vacuole > 0")
+    assert button.get_attribute("aria-pressed") == "true"
+    assert page.locator(".key-inside").is_visible()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.locator(".key-bar button.explain").press("Enter")
+    assert "vacuole" in page.inner_text(".key-bar .explained")
+    page.keyboard.press("Escape")
+    assert fingerprint(page) == print_of
+    assert (abs(picture(page, "#cylinder") - closed).sum(axis=-1) > 60).mean() > 0.05
+    begin(page, "wound")
+    page.locator("#speed").press("End")
+    play(page)
+    came = page.evaluate("window.cyclosis.statistics().inside")
+    wait(page, f"window.cyclosis.statistics().inside > {came + 5}")
+    first = picture(page, "#cylinder")
+    page.wait_for_timeout(500)
+    assert (abs(picture(page, "#cylinder") - first).sum(axis=-1) > 60).sum() > 50
+    page.reload()
+    wait(page, "window.cyclosis.statistics().tracers > 0")
+    button.focus()
+    page.keyboard.press("v")
+    wait(page, "cell.vacuole === undefined")
+    assert button.get_attribute("aria-pressed") == "false"
+    assert page.locator(".key-inside").is_hidden()
+    wait(page, "window.cyclosis.statistics().tracers === 0")

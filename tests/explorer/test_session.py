@@ -97,6 +97,12 @@ def test_a_text_that_is_no_link_is_refused(link):
         '{"do": "speed", "value": 1e9}',
         '{"do": "play", "more": 1}',
         '{"do": "brush", "tool": "wound", "points": [], "radius": 1}',
+        '{"do": "vacuole"}',
+        '{"do": "vacuole", "on": 1}',
+        '{"do": "vacuole", "on": true, "tracers": 0}',
+        '{"do": "vacuole", "on": true, "tracers": 1001}',
+        '{"do": "vacuole", "on": true, "pace": 1e9}',
+        '{"do": "vacuole", "on": true, "pace": NaN}',
     ],
 )
 def test_a_malformed_message_is_refused_in_a_sentence(text):

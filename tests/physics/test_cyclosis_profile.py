@@ -1,6 +1,7 @@
 """The steady two-stripe profile and its slowest relaxation, to the digits known."""
 
 import pytest
+
 from measure import check, profile
 
 

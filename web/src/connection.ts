@@ -1,4 +1,4 @@
-import { readFrame, type Ask, type Frame, type Preparing, type Said } from './protocol';
+import { isInside, readFrame, readInside, type Ask, type Frame, type Inside, type Preparing, type Said } from './protocol';
 
 export interface Listener {
   /** A session without a cell: begin one. `again` if the server has lost the previous session. */
@@ -7,6 +7,7 @@ export interface Listener {
   resumed(preparing: Preparing | null): void;
   said(said: Said): void;
   frame(frame: Frame): void;
+  inside(inside: Inside): void;
   /** There is no connection, and why; `over` if the page does not reconnect by itself. */
   lost(sentence: string, over: boolean): void;
 }
@@ -95,8 +96,10 @@ export class Connection {
     socket.onclose = () => this.lose();
     socket.onmessage = ({ data }: MessageEvent<ArrayBuffer | string>) => {
       this.heard();
-      if (typeof data !== 'string') this.listener.frame(readFrame(data));
-      else this.hear(JSON.parse(data) as Said);
+      if (typeof data !== 'string') {
+        if (isInside(data)) this.listener.inside(readInside(data));
+        else this.listener.frame(readFrame(data));
+      } else this.hear(JSON.parse(data) as Said);
     };
   }
 

@@ -5,6 +5,7 @@ import { h } from './panels/dom';
 import { equation } from './panels/equation';
 import { hand } from './panels/hand';
 import { Hub, type Cell } from './panels/hub';
+import { insideSwitch, type InsideSwitch } from './panels/inside';
 import { interventions } from './panels/interventions';
 import { key } from './panels/key';
 import { keys } from './panels/keys';
@@ -46,10 +47,11 @@ function build(about: About): void {
     session.ask(message);
   };
   const hub = new Hub(about, ask, toast);
+  let inner: InsideSwitch | null = null;
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key());
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key(() => inner?.on ?? false));
   const header = h('header', {});
   const panels = h('section', { id: 'panels', 'aria-label': 'Controls' });
   const charts = traces(hub);
@@ -62,6 +64,8 @@ function build(about: About): void {
   handles.append(waits.beside);
 
   const scene = new Scene({ cylinder, map, palette: keptPalette(about.palettes), dark: isDark(), notice: toast });
+  inner = insideSwitch(hub, scene, app);
+  cylinder.append(inner.element);
   const tools = hand(hub, scene);
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
@@ -75,6 +79,7 @@ function build(about: About): void {
     ['2', 'wound', () => tools.choose('wound')],
     ['3', 'fragment', () => tools.choose('fragment')],
     ['4', 'align', () => tools.choose('align')],
+    ['v', 'look inside the cell', () => inner?.toggle()],
     ['t', 'the tour', () => guide.start()],
     ['?', 'this list', () => help.open()],
   ]);
@@ -121,6 +126,9 @@ function build(about: About): void {
       meter.add(performance.now(), frame.t);
       scene.show(frame);
       hub.emit('frame', frame);
+    },
+    inside: (inside) => {
+      if (inside.begun === hub.cell?.begun) scene.showInside(inside);
     },
     lost: () => {
       scene.playing = false;

@@ -102,6 +102,8 @@ export type Said =
       done: number;
       /** True if this is another cell than before: traces start again. */
       fresh: boolean;
+      /** The number of tracers inside, if the page asked for them. */
+      vacuole?: number;
     }
   | { type: 'refused'; sentence: string }
   | { type: 'hash'; t: number; sha256: string }
@@ -148,6 +150,8 @@ export type Ask =
       /** Direction of alignment from e_theta, radians: π/2 is up. */
       angle?: number;
     }
+  /** The flow inside: tracers that move `pace` radii a second at the peak of the flow. */
+  | { do: 'vacuole'; on: boolean; tracers?: number; pace?: number }
   | { do: 'seen'; frame: number };
 
 export interface Regime {
@@ -189,11 +193,51 @@ export interface Frame {
   records: Float64Array;
 }
 
-/** Read a binary message: uint32 length of a JSON header, the header padded to 8 bytes, records, fields. */
-export function readFrame(data: ArrayBuffer): Frame {
+/** The flow inside a cell at the time of a picture, for a page that asked for it. */
+export interface Inside {
+  t: number;
+  /** The cell that it belongs to; see `Said`. */
+  begun: number;
+  length: number;
+  /** The speed that counts as full: the peak on the wall, unless the flow is dying. */
+  reference: number;
+  tracers: number;
+  rings: number;
+  sectors: number;
+  /** All x, all y, all z, in radii. */
+  xyz: Float32Array;
+  /** The axial velocity at each tracer, and on the section in the middle: ring after ring, from the axis to the wall. */
+  axial: Float32Array;
+  section: Float32Array;
+}
+
+/** Whether a binary message is about the inside: its second number is 1, that of a picture 0. */
+export function isInside(data: ArrayBuffer): boolean {
+  return new DataView(data).getUint32(4, true) === 1;
+}
+
+/** Read a binary message about the inside: a header as that of a picture, places, velocities. */
+export function readInside(data: ArrayBuffer): Inside {
+  const { header, place } = headerOf(data);
+  const { tracers, rings, sectors } = header;
+  return {
+    ...header,
+    xyz: new Float32Array(data, place, 3 * tracers),
+    axial: new Float32Array(data, place + 12 * tracers, tracers),
+    section: new Float32Array(data, place + 16 * tracers, rings * sectors),
+  };
+}
+
+function headerOf(data: ArrayBuffer) {
   const length = new DataView(data).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 8, length)));
-  let place = 8 + Math.ceil(length / 8) * 8;
+  return { header, place: 8 + Math.ceil(length / 8) * 8 };
+}
+
+/** Read a binary message: uint32 length of a JSON header, the header padded to 8 bytes, records, fields. */
+export function readFrame(data: ArrayBuffer): Frame {
+  const { header, place: start } = headerOf(data);
+  let place = start;
   const records = new Float64Array(data, place, header.records);
   place += records.byteLength;
   const take = (count: number): Float32Array => {

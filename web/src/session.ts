@@ -3,13 +3,14 @@ import type { Hub } from './panels/hub';
 import { lostBanner } from './panels/notices';
 import { firstPreset } from './panels/story';
 import type { Waits } from './panels/waits';
-import type { Ask, Frame, Said } from './protocol';
+import type { Ask, Frame, Inside, Said } from './protocol';
 
 interface Parts {
   hub: Hub;
   waits: Waits;
   said(said: Said): void;
   frame(frame: Frame): void;
+  inside(inside: Inside): void;
   /** Earlier pictures will not be confirmed any more. */
   lost(): void;
 }
@@ -42,6 +43,7 @@ export class Session {
         else if (said.type !== 'ended') parts.said(said);
       },
       frame: (frame) => parts.frame(frame),
+      inside: (inside) => parts.inside(inside),
       lost: (sentence, over) => {
         parts.lost();
         waits.lose(over ? sentence : 'The connection is lost: the cell is paused.');

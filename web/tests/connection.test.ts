@@ -60,6 +60,7 @@ describe('a connection', () => {
       resumed: () => told.push('resumed'),
       said: (said: Said) => told.push(said.type),
       frame: () => told.push('frame'),
+      inside: () => told.push('inside'),
       lost: (sentence, over) => told.push(over ? `over: ${sentence}` : 'lost'),
     };
     connection = new Connection(listener, () => {

@@ -13,6 +13,8 @@ LONGEST = 65_536
 """Most bytes of a message."""
 MOST_POINTS = 64
 """Most points of one stroke of the brush."""
+MOST_TRACERS = 1000
+"""Most tracers inside the cell."""
 SLOWEST, FASTEST = 0.1, 100.0
 """Time units per second."""
 
@@ -113,6 +115,15 @@ class Brush(_Ask):
         return {"at": t, "where": where} | action[self.tool]
 
 
+class Vacuole(_Ask):
+    """Show the flow inside the cell, or no longer: `tracers` that move `pace` radii a second at its peak."""
+
+    do: Literal["vacuole"]
+    on: bool
+    tracers: Annotated[int, Field(ge=1, le=MOST_TRACERS)] = 600
+    pace: Annotated[float, Field(ge=0.05, le=2.0, strict=False)] = 0.6
+
+
 class Seen(_Ask):
     """A frame has been drawn."""
 
@@ -120,7 +131,7 @@ class Seen(_Ask):
     frame: int
 
 
-Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Seen
+Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Vacuole | Seen
 _ADAPTER: TypeAdapter[Ask] = TypeAdapter(Annotated[Ask, Field(discriminator="do")])
 
 

@@ -56,6 +56,8 @@ class Session:
         self.live = Live(ready.params, ready.grid, ready.state, setup.every, ready.protocol, ready.model)
         self.rates: list[tuple[float, float]] = []
         self.fresh: list[list[float]] = []
+        self.shown: Array | None = None
+        """The flow (2, n_theta, n_z) of the last picture."""
         self._record()
 
     def kinds(self) -> set[Kind]:
@@ -142,6 +144,7 @@ class Session:
     def picture(self) -> bytes:
         """Return the data of a picture: a JSON header, records and fields (see `web/src/protocol.ts`)."""
         P, u = self.live.state, self.live.flow()
+        self.shown = u
         found, pace = regime(self.live.params_now, self.live.grid, P), self._pace()
         header = {
             "t": self.live.t,

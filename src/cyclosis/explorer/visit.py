@@ -18,6 +18,7 @@ from ..model.instants import instant
 from ..model.parameters import Parameters
 from . import messages, setup
 from .about import curves, preset
+from .inside import Inside, Seen
 from .line import Line
 from .session import Session
 from .work import Work
@@ -56,6 +57,7 @@ class Visit:
         self.refusals, self.stale, self.acted, self.resumed = 0, False, False, False
         self.preparing: dict[str, Any] | None = None
         self.curves: asyncio.Task[None] | None = None
+        self.inside = Inside(work, self._send)
 
     @property
     def at_work(self) -> bool:
@@ -102,6 +104,7 @@ class Visit:
                 await self._onward()
                 await asyncio.sleep(0)  # let other visits have their turn
         finally:
+            self.inside.end()
             if self.curves is not None:
                 self.curves.cancel()
 
@@ -213,6 +216,9 @@ class Visit:
             return
         if isinstance(ask, messages.Speed):
             self.speed = ask.value
+        elif isinstance(ask, messages.Vacuole):
+            self.inside.turn(ask)
+            self.stale = self.stale or ask.on
         elif isinstance(ask, messages.Set):
             await self._act(cell, lambda: cell.change(ask.values))
         elif isinstance(ask, messages.Drug):
@@ -291,6 +297,7 @@ class Visit:
             begun=self.begun,
             done=self.done,
             fresh=fresh,
+            **self.inside.words,
         )
 
     @contextlib.asynccontextmanager
@@ -311,8 +318,13 @@ class Visit:
         picture = await self.work.quickly(cell.picture)
         self.unseen, self.sent_at, self.stale = self.unseen + 1, clock.monotonic(), False
         self.acted = False
+        await self._send(picture)
+        if cell.shown is not None:
+            self.inside.see(Seen(cell.shown, cell.live.grid, cell.live.t, self.begun, self.playing))
+
+    async def _send(self, data: bytes) -> None:
         if self.line is not None and self.open:
-            await self.line.show(picture)
+            await self.line.show(data)
 
     async def _refuse(self, error: InputError) -> None:
         await self._say(type="refused", sentence=str(error))

@@ -47,12 +47,13 @@ class Work:
         self.long = ThreadPoolExecutor(1, "long")
         self.slow = ThreadPoolExecutor(1, "slow")
         self.ahead = ThreadPoolExecutor(1, "ahead", _low_priority)
+        self.inside = ThreadPoolExecutor(1, "inside", _low_priority, (5,))
         self.visits = 0
         self.took = 10.0
 
     def end(self) -> None:
         """Start no further work."""
-        for threads in (self.cells, self.long, self.slow, self.ahead):
+        for threads in (self.cells, self.long, self.slow, self.ahead, self.inside):
             threads.shutdown(wait=False, cancel_futures=True)
 
     async def quickly(self, work: Callable[[], Any]) -> Any:
@@ -62,6 +63,10 @@ class Work:
     async def slowly(self, work: Callable[[], Any]) -> Any:
         """Do work that may take seconds."""
         return await _within(self.slow, work)
+
+    async def aside(self, work: Callable[[], Any]) -> Any:
+        """Do work that only adds to pictures, in a thread of low priority."""
+        return await _within(self.inside, work)
 
     async def forward(self, cell: Session, prepare: Prepare = _silently) -> bool:
         """Compute for a moment; return whether the next frame is reached."""
@@ -132,10 +137,10 @@ class Work:
         _locks.clear()
 
 
-def _low_priority() -> None:
+def _low_priority(niceness: int = 10) -> None:
     """Give this thread a low priority, where threads have priorities."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), niceness)
 
 
 async def _within(threads: ThreadPoolExecutor, work: Callable[[], Any]) -> Any:

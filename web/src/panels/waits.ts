@@ -2,7 +2,7 @@ import type { Ask, Preparing } from '../protocol';
 import { h } from './dom';
 
 /** Requests that are allowed while a cell is being prepared. */
-const ALWAYS = new Set<Ask['do']>(['seen', 'tell', 'begin', 'play', 'pause', 'speed']);
+const ALWAYS = new Set<Ask['do']>(['seen', 'tell', 'begin', 'play', 'pause', 'speed', 'vacuole']);
 const OPENING = 'Opening the cell…';
 
 /**

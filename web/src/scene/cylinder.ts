@@ -5,7 +5,9 @@ import type { Palette } from '../protocol';
 import type { Fields } from './fields';
 import { paletteTable, rgb } from './palette';
 import type { Particles } from './particles';
+import { Opened } from './opened';
 import { endFragment, endVertex, surfaceFragment, surfaceVertex } from './shaders';
+import type { Tracers } from './tracers';
 import { Trails } from './trails';
 import type { View } from './view';
 
@@ -29,12 +31,20 @@ export class Cylinder {
   private readonly surface: THREE.Mesh;
   private readonly end: THREE.Mesh;
   private readonly trails: Trails;
+  private readonly opened: Opened;
   private order: THREE.DataTexture | null = null;
   private readonly colours: THREE.DataTexture;
   private version = -1;
 
   /** Throws if WebGL 2 is not available. */
-  constructor(canvas: HTMLCanvasElement, particles: Particles, palette: Palette, dark: boolean, software: boolean) {
+  constructor(
+    canvas: HTMLCanvasElement,
+    particles: Particles,
+    tracers: Tracers,
+    palette: Palette,
+    dark: boolean,
+    software: boolean,
+  ) {
     this.renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !software, stencil: false });
     this.renderer.setClearColor(0, 0);
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the palette is shown as it is
@@ -48,6 +58,7 @@ export class Cylinder {
       toScreen: { value: new THREE.Matrix4() },
       turn: { value: 0 },
       tilt: { value: 0 },
+      inner: { value: 0 },
       cell: { value: 1 },
       mixing: { value: 1 },
       radius: { value: 1 },
@@ -62,7 +73,8 @@ export class Cylinder {
     this.surface = this.mesh(ring(0, 1), surfaceVertex, surfaceFragment, THREE.FrontSide);
     this.end = this.mesh(ring(0, 1), endVertex, endFragment, THREE.DoubleSide);
     this.trails = new Trails(particles, this.uniforms);
-    this.scene.add(this.surface, this.end, this.trails.mesh);
+    this.opened = new Opened(tracers, this.uniforms);
+    this.scene.add(this.surface, this.end, this.trails.mesh, this.opened.group);
     this.setDark(dark);
   }
 
@@ -92,12 +104,13 @@ export class Cylinder {
   }
 
   setDark(dark: boolean): void {
+    this.opened.setDark(dark);
     this.uniforms.ink.value = linear(dark ? '#09070b' : '#1b1720');
     this.uniforms.paper.value = linear(dark ? '#3a3442' : '#f6f4f8');
     this.uniforms.shade.value = linear(dark ? '#211d27' : '#d8d3df');
   }
 
-  draw(fields: Fields, mixing: number, view: View, mark: BrushMark, ratio: number): void {
+  draw(now: number, fields: Fields, mixing: number, view: View, mark: BrushMark, ratio: number): void {
     const { width, height } = view;
     const { renderer, camera, uniforms } = this;
     if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
@@ -127,9 +140,16 @@ export class Cylinder {
     uniforms.mixing.value = mixing;
     uniforms.radius.value = scale * ratio;
     uniforms.pixel.value = ratio;
-    uniforms.height.value = (tilt >= 0 ? 0.5 : -0.5) * fields.length;
+    const { open } = view;
+    // Of the closed cell the near end is seen, of the opened one the far end.
+    uniforms.height.value = (tilt >= 0 !== open ? 0.5 : -0.5) * fields.length;
+    uniforms.inner.value = open ? 1 : 0;
+    (this.surface.material as THREE.Material).side = open ? THREE.BackSide : THREE.FrontSide;
+    this.trails.mesh.visible = !open;
+    this.opened.group.visible = open;
     uniforms.brush.value.set(mark.theta, mark.z, mark.radius, mark.shown ? 1 : 0);
-    this.trails.update(width, height, ratio);
+    if (open) this.opened.update(now, width, height, ratio);
+    else this.trails.update(width, height, ratio);
     renderer.render(this.scene, camera);
   }
 

@@ -7,7 +7,9 @@ import { flowAt } from './interpolate';
 export const TRAIL = 9;
 const BETWEEN = 0.085;
 /** Radii per second at the peak of the flow; more in cells longer than LONG, which are drawn smaller. */
-const PACE = 0.6;
+export const PACE = 0.6;
+/** The share of that for visitors who prefer less motion. */
+export const CALM = 0.4;
 const LONG = 12;
 /** Below this share of the largest flow so far, particles slow down with it, so that arrest is visible. */
 const SLOWS_BELOW = 0.15;
@@ -34,7 +36,7 @@ export class Particles {
     private readonly random: () => number = Math.random,
   ) {
     this.count = count;
-    this.pace = calm ? 0.4 * PACE : PACE;
+    this.pace = calm ? CALM * PACE : PACE;
     this.data = new Float32Array(4 * count * TRAIL);
     this.age = new Float32Array(count);
     this.life = new Float32Array(count);

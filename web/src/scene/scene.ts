@@ -1,13 +1,14 @@
 // The picture of the cell: the cylinder and the unwrapped map, drawn from the frames of the server.
 
-import type { Frame, Palette } from '../protocol';
+import type { Frame, Inside, Palette } from '../protocol';
 import { Control, type Tool } from './control';
 import { Cylinder } from './cylinder';
 import { Fields } from './fields';
 import { UnwrappedMap } from './map';
-import { Particles } from './particles';
+import { CALM, PACE, Particles } from './particles';
 import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
+import { Tracers } from './tracers';
 import { View } from './view';
 
 export type { Tool } from './control';
@@ -29,6 +30,12 @@ const PATIENCE = 150;
 /** Tracer particles; few for visitors who prefer less motion, and if the processor draws them. */
 const MANY = 900;
 const FEW = 300;
+/** Tracers inside the opened cell, likewise, and few in a narrow picture. */
+const MANY_INSIDE = 450;
+const FEW_INSIDE = 250;
+const NARROW = 420;
+
+const KEYS = 'Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.';
 
 export class Scene {
   playing = false;
@@ -39,18 +46,22 @@ export class Scene {
   private readonly fields = new Fields();
   private readonly view = new View();
   private readonly particles: Particles;
+  private readonly tracers = new Tracers();
   private readonly map: UnwrappedMap;
   private readonly control: Control;
   private readonly quality = new Quality();
   private cylinder: Cylinder | null = null;
   private lost = false;
   private readonly software: boolean;
+  private readonly calm: boolean;
   /** Nothing is drawn before this time, to make room for an answer; `owed` until something was drawn. */
   private waits = 0;
   private owed = false;
 
   private last = 0;
   private lastShown = -1;
+  /** How far the tracers were on their way when they were last drawn. */
+  private drawnInside = 1;
   private mapped = { at: 0, version: -1, mixing: -1 };
   private linesAt = 0;
   /** Something other than the cell has changed: redraw the map, or everything. */
@@ -59,7 +70,7 @@ export class Scene {
 
   constructor(private readonly options: SceneOptions) {
     const { palette, dark } = options;
-    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const calm = (this.calm = matchMedia('(prefers-reduced-motion: reduce)').matches);
     const software = (this.software = inSoftware());
     this.particles = new Particles(calm, calm || software ? FEW : MANY);
     this.map = new UnwrappedMap(palette, this.particles);
@@ -68,7 +79,7 @@ export class Scene {
       canvas.setAttribute('role', 'application');
       canvas.setAttribute('aria-label', text);
     };
-    label(this.canvas, 'The cell as a cylinder. Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.');
+    label(this.canvas, `The cell as a cylinder. ${KEYS}`);
     label(
       this.map.moving,
       'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cylinder.',
@@ -78,7 +89,7 @@ export class Scene {
     place(options.map, this.map.still, this.map.moving);
     this.canvas.style.touchAction = 'none';
     try {
-      this.cylinder = new Cylinder(this.canvas, this.particles, palette, dark, software);
+      this.cylinder = new Cylinder(this.canvas, this.particles, this.tracers, palette, dark, software);
     } catch {
       const missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
       this.canvas.hidden = true;
@@ -98,8 +109,35 @@ export class Scene {
     requestAnimationFrame(this.loop);
   }
 
-  get statistics(): { frames: number; fps: number; lastShown: number } {
-    return { frames: this.quality.frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown };
+  get statistics(): { frames: number; fps: number; lastShown: number; inside: number; tracers: number } {
+    const { version, count } = this.tracers;
+    const { frames } = this.quality;
+    return { frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown, inside: version, tracers: count };
+  }
+
+  get opens(): boolean {
+    return this.cylinder !== null;
+  }
+
+  /** What the page asks of the server for the inside. */
+  get wanted(): { tracers: number; pace: number } {
+    const few = this.calm || this.software || this.view.width < NARROW;
+    return { tracers: few ? FEW_INSIDE : MANY_INSIDE, pace: this.calm ? CALM * PACE : PACE };
+  }
+
+  /** Take the front of the cylinder away, or close it. */
+  setOpen(open: boolean): void {
+    this.view.open = open && this.opens;
+    this.canvas.setAttribute('aria-label', `The cell as a cylinder${open ? ', opened, with the flow inside' : ''}. ${KEYS}`);
+    if (!open) this.tracers.clear();
+    this.dirty = true;
+  }
+
+  /** The flow inside the cell of the last picture. */
+  showInside(inside: Inside): void {
+    if (!this.view.open || this.fields.empty || inside.length !== this.fields.length) return;
+    this.tracers.take(inside, performance.now());
+    this.dirty = true;
   }
 
   /**
@@ -152,6 +190,7 @@ export class Scene {
   clear(): void {
     this.fields.clear();
     this.lastShown = -1;
+    this.tracers.clear();
     this.stale = this.dirty = true;
   }
 
@@ -190,7 +229,8 @@ export class Scene {
     if (now < this.waits) return;
     // Nothing is drawn without a change: a paused cell costs nothing.
     const moves = this.playing && !fields.empty;
-    const passes = this.mapped.version !== fields.version || this.mapped.mixing < 1;
+    const passes =
+      this.mapped.version !== fields.version || this.mapped.mixing < 1 || (this.view.open && this.drawnInside < 1);
     if (!moves && !this.dirty && !(passes && !fields.empty)) return;
     this.last = now;
     if (moves) this.particles.step(fields, Math.min(since, 100) / 1000);
@@ -218,7 +258,8 @@ export class Scene {
       this.stale = false;
     }
     map.drawMoving(fields, control.mark, view.turn);
-    if (!this.lost) this.cylinder?.draw(fields, mixing, view, control.mark, this.quality.ratio);
+    this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
+    if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.quality.ratio);
   }
 }
 

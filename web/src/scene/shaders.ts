@@ -30,6 +30,8 @@ uniform float tilt;
 uniform vec3 zone;
 uniform vec3 ink;
 uniform vec4 brush;        // theta, z, radius, shown or not
+uniform float inner;       // 1 if the wall is seen from inside
+uniform vec3 paper;
 in vec2 at;
 in vec3 outward;
 out vec4 colour;
@@ -63,11 +65,13 @@ vec2 value(vec2 where) {
 
 void main() {
   vec2 P = value(at);
-  float facing = max(outward.z, 0.0);
+  float facing = max(inner > 0.5 ? -outward.z : outward.z, 0.0);
   vec3 base = texture(colours, vec2(0.5 + 0.5 * clamp(P.x, -1.0, 1.0), 0.5)).rgb;
   float light = 0.50 + 0.50 * pow(facing, 0.55);
   float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34));
-  colour = vec4(base * light + 0.045 * gloss, 1.0);
+  colour = vec4(base * light + 0.045 * gloss * (1.0 - inner), 1.0);
+  // What is in front of it stands out.
+  colour.rgb = mix(colour.rgb, paper, 0.6 * inner);
 
   // The indifferent zone: of constant width, absent where filaments on its two sides do not differ in direction.
   float slope = length(vec2(dFdx(P.x), dFdy(P.x))) + 1e-7;

@@ -3,18 +3,35 @@
 const TURN = 2 * Math.PI;
 const STEEPEST = 1.25;
 const CLOSEST = 40;
+/** Tilt of the closed cell at first, and of the opened one, so that the section in it is seen. */
+const USUAL = 0.2;
+const OPENED = 0.45;
 
 export class View {
   /** Angle theta that faces the viewer. */
   turn = Math.PI;
   /** Above 0 the viewer looks down on the upper end. */
-  tilt = 0.2;
+  tilt = USUAL;
   zoom = 1;
+  /** Whether the front is taken away: the wall that is seen is the one behind. */
+  private opened = false;
   /** Height at the middle of the picture, relative to the middle of the cell, in radii. */
   centre = 0;
   width = 1;
   height = 1;
   length = 5;
+
+  get open(): boolean {
+    return this.opened;
+  }
+
+  set open(open: boolean) {
+    if (open === this.opened) return;
+    this.opened = open;
+    if (open && Math.abs(this.tilt) < OPENED) this.tilt = this.tilt < 0 ? -OPENED : OPENED;
+    else if (!open && Math.abs(this.tilt) === OPENED) this.tilt = this.tilt < 0 ? -USUAL : USUAL;
+    this.hold();
+  }
 
   /** CSS pixels per radius. */
   get scale(): number {
@@ -45,7 +62,7 @@ export class View {
 
   reset(): void {
     this.turn = Math.PI;
-    this.tilt = 0.2;
+    this.tilt = this.opened ? OPENED : USUAL;
     this.zoom = 1;
     this.centre = 0;
   }
@@ -63,11 +80,11 @@ export class View {
     const right = (x - this.width / 2) / scale;
     const up = (this.height / 2 - y) / scale;
     if (Math.abs(right) >= 1) return null;
-    const near = Math.sqrt(1 - right * right);
+    const near = (this.opened ? -1 : 1) * Math.sqrt(1 - right * right);
     const [c, s] = [Math.cos(this.tilt), Math.sin(this.tilt)];
     const height = this.centre + up * c + ((near + up * s) / c) * s;
     const z = height + this.length / 2;
     if (z < 0 || z >= this.length) return null;
-    return [(((this.turn + Math.asin(right)) % TURN) + TURN) % TURN, z];
+    return [(((this.turn + Math.atan2(right, near)) % TURN) + TURN) % TURN, z];
   }
 }

@@ -1,0 +1,52 @@
+import type { Hub } from './hub';
+import { h } from './dom';
+import { keep, kept } from './kept';
+
+export interface InsideTarget {
+  /** Whether the cell can be opened at all: the map alone cannot. */
+  readonly opens: boolean;
+  /** How many tracers to ask for, and their pace in radii a second. */
+  readonly wanted: { tracers: number; pace: number };
+  setOpen(open: boolean): void;
+}
+
+export interface InsideSwitch {
+  element: HTMLElement;
+  readonly on: boolean;
+  toggle(): void;
+}
+
+/** Milliseconds within which the server has not answered yet. */
+const ANSWERING = 2000;
+
+/** The switch that opens the cylinder, so that the flow in the vacuole is seen. The browser remembers it. */
+export function insideSwitch(hub: Hub, target: InsideTarget, root: HTMLElement, now: () => number = Date.now): InsideSwitch {
+  let on = target.opens && kept('inside') === 'on';
+  let asked = -Infinity;
+  const button = h('button', {
+    id: 'inside', type: 'button', title: 'open the cell and show how the fluid in its vacuole flows (v)', hidden: !target.opens,
+    onclick: () => toggle(),
+  }, 'Look inside');
+  const ask = (): void => {
+    asked = now();
+    hub.ask(on ? { do: 'vacuole', on, ...target.wanted } : { do: 'vacuole', on });
+  };
+  const show = (): void => {
+    button.setAttribute('aria-pressed', String(on));
+    root.classList.toggle('opened', on);
+    target.setOpen(on);
+  };
+  const toggle = (): void => {
+    if (!target.opens) return;
+    on = !on;
+    keep('inside', on ? 'on' : 'off');
+    show();
+    ask();
+  };
+  // A new session knows nothing of it, and a request may have been lost with a connection.
+  hub.on('cell', (cell) => {
+    if (on !== (cell.vacuole !== undefined) && now() - asked > ANSWERING) ask();
+  });
+  show();
+  return { element: button, get on() { return on; }, toggle };
+}
