@@ -78,7 +78,8 @@ def _placed(
     tau = np.arccos(x)
     size = 2 * np.pi / grid.n_theta
     low, high = tau[columns], tau[columns + 1]
-    angle: Array = (rows + 0.5) * size
+    west: Array = rows * size
+    angle: Array = west + 0.5 * size
     latitude: Array = 0.5 * (low + high)
     step = 1e-5
     if len(rows):
@@ -90,6 +91,6 @@ def _placed(
             volume = np.where(np.abs(volume) < 1e-12, np.inf, volume)
             d_angle = (value.imag * by_latitude.real - value.real * by_latitude.imag) / volume
             d_latitude = (value.real * by_angle.imag - value.imag * by_angle.real) / volume
-            angle = np.clip(angle + d_angle, rows * size, (rows + 1) * size)
+            angle = np.clip(angle + d_angle, west, west + size)
             latitude = np.clip(latitude + d_latitude, low, high)
     return angle % (2 * np.pi), grid.surface.meridian(latitude).s

@@ -92,7 +92,8 @@ class ClosedMoment(Moment):
     @cached_property
     def flow_spectrum(self) -> jax.Array:
         """The amplitudes of the flow modes."""
-        return self.operator * self.force_spectrum
+        amplitudes: jax.Array = self.operator * self.force_spectrum
+        return amplitudes
 
     @cached_property
     def u(self) -> jax.Array:

@@ -46,7 +46,7 @@ def _system(
 ) -> ClosedSystem:
     model = closed_model(repulsion)
     made: Any = model.system(model.problem(params, grid, terms), True)
-    return made  # type: ignore[no-any-return]
+    return made
 
 
 @jax.jit

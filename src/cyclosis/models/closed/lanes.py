@@ -1,4 +1,4 @@
-"""What an ensemble measures of a closed cell every few steps, and what members that share lanes have alike."""
+"""What an ensemble measures of a closed cell every few steps, and what members share."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ from .quantities import energy, tail
 
 
 class Signs(NamedTuple):
-    """A few numbers of a state: max |P|, <|P|²>^½, <P_theta²>^½, the spectral tail, and the fewest and the
-    most sign changes of P_s around a circle of the middle half of the latitudes.
+    """A few numbers of a state.
+
+    max |P|, <|P|²>^½, <P_theta²>^½, the spectral tail, and the fewest and the most sign changes of P_s around
+    a circle of the middle half of the latitudes.
     """
 
     largest: Any
