@@ -77,7 +77,8 @@ def _placed(
     x = grid.points.x
     tau = np.arccos(x)
     size = 2 * np.pi / grid.n_theta
-    low, high = tau[columns], tau[columns + 1]
+    low: Array = tau[columns]
+    high: Array = tau[columns + 1]
     west: Array = rows * size
     angle: Array = west + 0.5 * size
     latitude: Array = 0.5 * (low + high)
