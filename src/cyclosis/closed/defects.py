@@ -79,7 +79,7 @@ def _placed(
     size = 2 * np.pi / grid.n_theta
     low: Array = tau[columns]
     high: Array = tau[columns + 1]
-    west: Array = rows * size
+    west: Array = size * rows.astype(np.float64)
     angle: Array = west + 0.5 * size
     latitude: Array = 0.5 * (low + high)
     step = 1e-5

@@ -92,7 +92,8 @@ class ClosedMoment(Moment):
     @cached_property
     def flow_spectrum(self) -> jax.Array:
         """The amplitudes of the flow modes."""
-        amplitudes: jax.Array = self.operator * self.force_spectrum
+        response: Any = self.operator
+        amplitudes: jax.Array = response * self.force_spectrum
         return amplitudes
 
     @cached_property
