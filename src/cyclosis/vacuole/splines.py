@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from math import factorial
 from typing import Any, NamedTuple
 
 import jax
@@ -167,10 +168,11 @@ def b_spline(t: Any, order: int) -> list[Any]:
     for p in range(1, order + 1):  # Cox and de Boor, on knots at whole numbers
         higher = [jnp.zeros_like(t)] * (p + 1)
         for k, value in enumerate(values):
-            higher[k] = higher[k] + value * (k + 1 - t) / p
-            higher[k + 1] = higher[k + 1] + value * (t + p - 1 - k) / p
+            higher[k] = higher[k] + value * (k + 1 - t)
+            higher[k + 1] = higher[k + 1] + value * (t + p - 1 - k)
         values = higher
-    return values
+    scale = 1 / factorial(order)  # once, because divisions are slow
+    return [value * scale for value in values]
 
 
 @lru_cache(maxsize=16)
