@@ -150,7 +150,8 @@ def _summed(parts: Any, start: Any, weights: list[Any], lattice: Lattice) -> Any
     if lattice.order == 3:
         return sum(weights[0][a] * plane(start + a * n1 * n2) for a in taps)
     # Written out in full, or with its weights computed where they are used, it would take minutes to compile.
-    start, weights = jax.lax.optimization_barrier((start, weights))
+    barrier: Any = jax.lax.optimization_barrier
+    start, weights = barrier((start, weights))
     across = jnp.stack(weights[0])
     none = jnp.zeros((3, start.size), parts[0].dtype)
     return jax.lax.fori_loop(
