@@ -364,6 +364,9 @@ FIGURES = {
     "cyclosis.figures.vacuole_section": ["vacuole_section"],
     "cyclosis.figures.vacuole_cutaway": ["vacuole_cutaway"],
     "cyclosis.figures.vacuole_pitch": ["vacuole_pitch"],
+    "cyclosis.figures.vacuole_uptake": ["vacuole_uptake"],
+    "cyclosis.figures.vacuole_dispersion": ["vacuole_dispersion"],
+    "cyclosis.figures.vacuole_poincare": ["vacuole_poincare"],
     "cyclosis.figures.dye": ["dye"],
     "cyclosis.figures.style": ["save"],
 }

@@ -53,11 +53,29 @@ def test_the_command_carries_dye_during_a_run(tmp_path):
     assert len(pictures(tmp_path / "run-vacuole" / "dye.mp4")) == 97
 
 
+@pytest.mark.slow
+def test_the_command_draws_every_figure_it_has(tmp_path):
+    options = ["--uptake", "--dispersion", "--pitch", "4", "--poincare", "--dye", "50", "--gif"]
+    found = CliRunner().invoke(app, ["vacuole", stored(tmp_path, [0.0, 0.5, 1.0]), *options])
+    assert found.exit_code == 0, found.output
+    names = {path.name for path in (tmp_path / "run-vacuole").iterdir()}
+    drawn = {"section", "cutaway", "circulation", "uptake", "dispersion", "poincare"}
+    assert names == {f"{name}.png" for name in drawn} | {"dye.mp4", "dye.gif"}
+    assert len(pictures(tmp_path / "run-vacuole" / "dye.gif")) == 97
+
+
 @pytest.mark.parametrize(
-    ("times", "peclet", "named"), [([0.0, 1.0], "-1", "peclet"), ([1.0], "50", "frames")]
+    ("times", "options", "named"),
+    [
+        ([0.0, 1.0], ["--dye", "-1"], "peclet"),
+        ([1.0], ["--dye", "50"], "frames"),
+        ([1.0], ["--gif"], "gif"),
+        ([1.0], ["--pitch", "5"], "pitch"),
+        ([1.0], ["--uptake", "--pitch", "0"], "pitch"),
+    ],
 )
-def test_the_command_refuses_before_it_writes(tmp_path, times, peclet, named):
-    bad = CliRunner().invoke(app, ["vacuole", stored(tmp_path, times), "--dye", peclet])
+def test_the_command_refuses_before_it_writes(tmp_path, times, options, named):
+    bad = CliRunner().invoke(app, ["vacuole", stored(tmp_path, times), *options])
     assert isinstance(bad.exception, cy.InputError)
     assert named in str(bad.exception)
     assert not (tmp_path / "run-vacuole").exists()

@@ -5,7 +5,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.vacuole.splines import b_spline, coefficients, compiled_velocity, lattice_of
-from measure.vacuole_flows import bands, stirred
+from measure.vacuole_flows import bands, stirred, stripes_profile
 
 V = cy.vacuole
 
@@ -111,7 +111,7 @@ def test_runs_carry_tracers_with_their_own_time():
     start = cy.initial.stripes(grid, magnitude=0.3)
     run = cy.simulate(params, grid, start, t_end=8.0, save_at=np.linspace(0, 8, 33))
     flow, r = V.flow(run), 0.5
-    paths = V.trace(flow, [[r, np.pi / 2, 0.0], [r, -np.pi / 2, 0.0]], 8.0, [8.0], order=3, dt=0.1)
+    paths = V.trace(flow, [[r, np.pi / 2, 0.0], [r, -np.pi / 2, 0.0]], 8.0, [8.0], refine=2, n_s=48, dt=0.1)
     # The speed in the middle of a stripe over time, summed by the rule of Simpson.
     at = np.linspace(0, 8, 65)
     speed = [[flow.at_time(t).at([[r, s * np.pi / 2, 0.0]])[0, 2] for t in at] for s in (1, -1)]
@@ -126,6 +126,50 @@ def test_single_precision_of_the_table_changes_little():
     flow, starts = stirred(16), places(50)
     one, other = (V.trace(flow, starts, 2.0, [2.0], order=3, precision=p).xyz for p in ("float64", "float32"))
     assert 0 < np.abs(one - other).max() < 1e-5
+
+
+@pytest.mark.parametrize("peclet", [None, 50.0])
+def test_many_tracers_move_as_few_do(peclet, monkeypatch):
+    flow, starts = stirred(16), places(230)
+    given = {"t_end": 7.0, "save_at": [7.0], "refine": 2, "n_s": 32, "peclet": peclet}
+    few = V.trace(flow, starts, **given).xyz
+    monkeypatch.setattr("cyclosis.vacuole.tracers.MANY", 200)
+    monkeypatch.setattr("cyclosis.vacuole.tracers.BLOCK", 100)  # the last block is not full
+    many, again = (V.trace(flow, starts, **given).xyz for _ in range(2))
+    assert np.array_equal(many, again)
+    if peclet is None:
+        assert many == pytest.approx(few, abs=1e-10)
+    else:  # other random numbers, which are those of no two tracers
+        step = many - few
+        assert np.abs(step).max() > 0
+        assert len(np.unique(np.round(many[0, :, 0] - starts[:, 0] * np.cos(starts[:, 1]), 9))) == 230
+
+
+def test_frames_of_few_points_are_summed_as_those_of_many():
+    import jax.numpy as jnp
+
+    from cyclosis.model.precision import double
+    from cyclosis.vacuole.splines import velocity_between
+
+    lattice = lattice_of(stirred(16), 3, 1, 16)
+    rng = np.random.default_rng(0)
+    with double():
+        frames = [jnp.asarray(rng.normal(size=(4, np.prod(lattice.stored)))) for _ in range(3)]
+        xyz = jnp.asarray(rng.uniform(-0.6, 0.6, (3, 400)))
+        factors = jnp.asarray([0.3, -0.2, 0.8, 0.1])
+        assert 64 * 100 < frames[0].shape[1] < 64 * 400
+        many = velocity_between(frames, factors, xyz, lattice)
+        few = velocity_between(frames, factors, xyz[:, :100], lattice)
+    assert np.asarray(few) == pytest.approx(np.asarray(many)[:, :100], abs=1e-12)
+
+
+@pytest.mark.parametrize("flow", [stirred(16), bands(stripes_profile(), 0.4 * np.pi, n=32)])
+def test_usual_settings_have_the_error_of_their_step(flow):
+    starts = places(100, most=0.98)
+    fine = V.trace(flow, starts, 10.0, [10.0], dt=0.05, order=5, refine=4).xyz
+    stepped, usual = (V.trace(flow, starts, 10.0, [10.0], refine=r).xyz - fine for r in (8, None))
+    assert np.linalg.norm(usual, axis=-1).max() < 5e-4
+    assert np.linalg.norm(usual, axis=-1).max() < 2 * np.linalg.norm(stepped, axis=-1).max() + 1e-4
 
 
 def test_poincare_section_of_a_helix_lies_on_closed_curves():

@@ -34,7 +34,12 @@ app.add_typer(sweeps, name="sweep")
 app.add_typer(theory, name="stability")
 command(app, "experiment list", "experiment recovery --quick")(experiment)
 command(app, "explore")(explore)
-command(app, "vacuole run.nc", "vacuole run.nc --time 20 --section 2.5 --out inside --volume")(vacuole)
+command(
+    app,
+    "vacuole run.nc",
+    "vacuole run.nc --time 20 --section 2.5 --out inside --volume",
+    "vacuole run.nc --uptake --dispersion --pitch 5 --poincare --dye 50 --gif",
+)(vacuole)
 
 
 def _version(show: bool) -> None:

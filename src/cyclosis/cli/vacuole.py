@@ -22,31 +22,52 @@ MOVIE_FRAMES = 97
 """Frames of the movie of dye."""
 
 
-def _section(flow: VacuoleFlow, P: Any, z: float) -> Figure:
+def _section(flow: VacuoleFlow, P: Any, z: float, pitch: float | None) -> Figure:
     from ..figures.vacuole_section import vacuole_section
 
     return vacuole_section(flow, z)
 
 
-def _cutaway(flow: VacuoleFlow, P: Any, z: float) -> Figure:
+def _cutaway(flow: VacuoleFlow, P: Any, z: float, pitch: float | None) -> Figure:
     from ..figures.frames import facing_zone
     from ..figures.vacuole_cutaway import vacuole_cutaway
 
     return vacuole_cutaway(flow, P, facing_zone(P) + math.pi)
 
 
-def _pitch(flow: VacuoleFlow, P: Any, z: float) -> Figure:
+def _circulation(flow: VacuoleFlow, P: Any, z: float, pitch: float | None) -> Figure:
     from ..figures.vacuole_pitch import vacuole_pitch
 
     return vacuole_pitch()
 
 
-FIGURES: dict[str, Callable[[VacuoleFlow, Any, float], Figure]] = {
+def _uptake(flow: VacuoleFlow, P: Any, z: float, pitch: float | None) -> Figure:
+    from ..figures.vacuole_uptake import vacuole_uptake
+
+    return vacuole_uptake(flow, pitch)
+
+
+def _dispersion(flow: VacuoleFlow, P: Any, z: float, pitch: float | None) -> Figure:
+    from ..figures.vacuole_dispersion import vacuole_dispersion
+
+    return vacuole_dispersion(flow, pitch)
+
+
+def _poincare(flow: VacuoleFlow, P: Any, z: float, pitch: float | None) -> Figure:
+    from ..figures.vacuole_poincare import vacuole_poincare
+
+    return vacuole_poincare(flow, z)
+
+
+FIGURES: dict[str, Callable[[VacuoleFlow, Any, float, float | None], Figure]] = {
     "section.png": _section,
     "cutaway.png": _cutaway,
-    "circulation.png": _pitch,
+    "circulation.png": _circulation,
+    "uptake.png": _uptake,
+    "dispersion.png": _dispersion,
+    "poincare.png": _poincare,
 }
-"""The figures by the names of their files: functions of the flow, P, and the place of the section."""
+"""The figures by the names of their files: functions of the flow, P, the place of the section, a pitch."""
 
 
 def vacuole(
@@ -73,6 +94,24 @@ def vacuole(
     volume: Annotated[
         bool, typer.Option("--volume", help="Write the volume as well, as volume.nc and volume.vts.")
     ] = False,
+    uptake: Annotated[
+        bool, typer.Option("--uptake", help="Draw how fast the wall takes up against Pe, as uptake.png.")
+    ] = False,
+    dispersion: Annotated[
+        bool,
+        typer.Option("--dispersion", help="Draw spreading along the cell against Pe, as dispersion.png."),
+    ] = False,
+    pitch: Annotated[
+        float | None,
+        typer.Option(
+            metavar="R",
+            help="Pitch of the twisted bands that these two compare with straight ones, in radii; by default "
+            "that of the run, or one turn in its length.",
+        ),
+    ] = None,
+    poincare: Annotated[
+        bool, typer.Option("--poincare", help="Draw where tracers cross the section, as poincare.png.")
+    ] = False,
     dye: Annotated[
         float | None,
         typer.Option(
@@ -81,21 +120,29 @@ def vacuole(
             help="Write dye.mp4 as well: a drop of dye carried during the run at this Péclet number.",
         ),
     ] = None,
+    gif: Annotated[bool, typer.Option("--gif", help="Write the movie of dye as dye.gif as well.")] = False,
     force: FORCE = False,
 ) -> None:
-    """Draw the flow inside the cell at one time: a section, the cell cut open, circulation by pitch."""
+    """Draw the flow inside the cell at one time: a section, the cell cut open, circulation by pitch.
+
+    Further figures compare the bands of the run, straight, with twisted ones, and show its paths and dye.
+    """
     from .. import dataset
     from ..figures import style
     from ..figures.frames import frame, grid_of, indices_at
+    from ..figures.vacuole_bands import compared
     from ..vacuole import flow as flow_of
     from ..vacuole.sampled import peclet_number
 
     folder = out or file.with_name(f"{file.stem}-vacuole")
-    names = [
-        *FIGURES,
-        *(("volume.nc", "volume.vts") if volume else ()),
-        *(("dye.mp4",) if dye is not None else ()),
-    ]
+    wanted = {"uptake.png": uptake, "dispersion.png": dispersion, "poincare.png": poincare}
+    drawn = [name for name in FIGURES if wanted.get(name, True)]
+    movies = [] if dye is None else ["dye.mp4", "dye.gif"][: 1 + gif]
+    names = [*drawn, *(("volume.nc", "volume.vts") if volume else ()), *movies]
+    if pitch is not None and not (uptake or dispersion):
+        raise InputError("pitch", pitch, "given with --uptake or --dispersion", "leave it out")
+    if gif and dye is None:
+        raise InputError("gif", gif, "given with --dye", "give the Péclet number of the dye")
     with dataset.open_dataset(file) as data:
         grid = grid_of(data)
         index = -1 if time is None else indices_at(data, [time], "time")[0]
@@ -105,24 +152,25 @@ def vacuole(
             if data.sizes["time"] < 2:
                 rule = "at least 2, to carry dye from one to the next"
                 raise InputError("the number of saved frames", data.sizes["time"], rule, "save more often")
-        _prepare(folder, names, force)
         shown, flow, P = float(data["time"][index]), flow_of(data.isel(time=index)), frame(data, index)[0]
-        for name, figure in FIGURES.items():
-            style.save(figure(flow, P, place), folder / name)
+        if uptake or dispersion:
+            compared(flow, pitch)
+        _prepare(folder, names, force)
+        for name in drawn:
+            style.save(FIGURES[name](flow, P, place, pitch), folder / name)
             print(f"saved {folder / name}")
         if volume:
             dataset.write_table(flow.to_dataset(), folder / "volume.nc")
             flow.to_vtk(folder / "volume.vts")
             print(f"saved {folder / 'volume.nc'}\nsaved {folder / 'volume.vts'}")
         if dye is not None:
-            _dye(flow_of(data), dye, folder / "dye.mp4")
-            print(f"saved {folder / 'dye.mp4'}")
+            _dye(flow_of(data), dye, [folder / name for name in movies])
     per_area = flow.dissipation / (2 * math.pi * grid.length)
     print(f"t = {shown:g}: the vacuole dissipates {per_area:.6g} ηU²/R per area of the wall")
 
 
-def _dye(flow: UnsteadyFlow, peclet: float, path: Path) -> None:
-    """Write the movie of a drop of dye that is released in the middle at the first frame of a run."""
+def _dye(flow: UnsteadyFlow, peclet: float, paths: list[Path]) -> None:
+    """Write the movies of a drop of dye that is released in the middle at the first frame of a run."""
     import numpy as np
 
     from ..figures.dye import dye
@@ -136,7 +184,10 @@ def _dye(flow: UnsteadyFlow, peclet: float, path: Path) -> None:
         return np.exp(-4 * (r**2 + apart**2)) + 0 * theta
 
     shown = np.linspace(first, last, MOVIE_FRAMES)
-    dye(transport(flow, peclet, start=drop, t_end=last, times=shown, frames=shown, n_r=24), path)
+    carried = transport(flow, peclet, start=drop, t_end=last, times=shown, frames=shown, n_r=24)
+    for path in paths:
+        dye(carried, path)
+        print(f"saved {path}")
 
 
 def _prepare(folder: Path, names: list[str], force: bool) -> None:
@@ -148,4 +199,4 @@ def _prepare(folder: Path, names: list[str], force: bool) -> None:
         rule = "a folder that can be written to"
         raise InputError("out", str(folder), rule, f"choose another ({error.strerror or error})") from error
     for name in names:
-        targets.check(folder / name, force, (".png", ".nc", ".vts", ".mp4"))
+        targets.check(folder / name, force, (".png", ".nc", ".vts", ".mp4", ".gif"))

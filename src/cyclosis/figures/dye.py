@@ -76,14 +76,14 @@ def _picture(transport: Transport, c: Array, t: float, low: float, high: float, 
     across.plot(np.cos(theta), np.sin(theta), color=QUIET, linewidth=0.8)
     across.set_aspect("equal")
     across.set_axis_off()
-    along = figure.add_axes((0.34, 0.14, 0.65, 0.68))
+    along = figure.add_axes((0.395, 0.2, 0.585, 0.64))
     half = transport.theta.size // 2
     z = np.append(transport.z, 2 * transport.z[-1] - transport.z[-2])
     plane = np.concatenate([c[::-1, half], c[:, 0]])
     plane = np.concatenate([plane, plane[:, :1]], axis=1)
     along.pcolormesh(z, np.concatenate([-transport.r[::-1], transport.r]), plane, **shades)
     along.set(xlabel="z, R", ylabel="x, R", xlim=(z[0], z[-1]), ylim=(-1, 1))
-    figure.text(0.34, 0.88, f"t = {t:.1f} R/U, Pe = {transport.peclet:g}", color=INK)
+    figure.text(0.395, 0.89, f"t = {t:.1f} R/U, Pe = {transport.peclet:g}", color=INK)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
     rows, columns = (n - n % 2 for n in pixels.shape[:2])  # the encoder needs even sizes

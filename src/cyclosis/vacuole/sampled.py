@@ -61,6 +61,8 @@ class Sampled:
     def __init__(self, flow: VacuoleFlow | UnsteadyFlow, sample: Callable[[VacuoleFlow], Array]) -> None:
         self._flow, self._sample = flow, sample
         self._kept: dict[int, Array] = {}
+        self._stack: Array = np.empty(0)
+        self._chosen = range(0)
         self.times = (
             np.zeros(1) if isinstance(flow, VacuoleFlow) else np.asarray(flow.times, dtype=np.float64)
         )
@@ -70,20 +72,26 @@ class Sampled:
         return self.times[(self.times > first) & (self.times < last)]
 
     def window(self, a: float, b: float) -> tuple[Array, Array]:
-        """Return the frames and times that the velocity from a to b follows from."""
+        """Return the frames and times that the velocity from a to b follows from.
+
+        The array is the same object as long as the frames are the same.
+        """
         if isinstance(self._flow, VacuoleFlow):
             if 0 not in self._kept:
                 self._kept[0] = self._sample(self._flow)
-            return self._kept[0][None], self.times
+                self._stack = self._kept[0][None]
+            return self._stack, self.times
         used = min(4, self.times.size)
         before = int(np.searchsorted(self.times, 0.5 * (a + b)))
         first = int(np.clip(before - used // 2, 0, self.times.size - used))
         chosen = range(first, first + used)
-        self._kept = {k: self._kept[k] for k in self._kept if k in chosen}
-        for k in chosen:
-            if k not in self._kept:
-                self._kept[k] = self._sample(self._flow.at_time(float(self.times[k])))
-        return np.stack([self._kept[k] for k in chosen]), self.times[first : first + used]
+        if chosen != self._chosen:
+            self._kept = {k: self._kept[k] for k in self._kept if k in chosen}
+            for k in chosen:
+                if k not in self._kept:
+                    self._kept[k] = self._sample(self._flow.at_time(float(self.times[k])))
+            self._stack, self._chosen = np.stack([self._kept[k] for k in chosen]), chosen
+        return self._stack, self.times[first : first + used]
 
 
 def on_points(radii: Array, shape: tuple[int, int]) -> Callable[[VacuoleFlow], Array]:

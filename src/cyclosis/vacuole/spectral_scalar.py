@@ -188,17 +188,22 @@ class ScalarSystem(NamedTuple):
 
 def at_time(frames: Any, times: Any, time: Any) -> Any:
     """Return frames (frames, ...) at a time: cubic between the nearest four, the ends beyond the ends."""
-    count = frames.shape[0]
-    if count == 1:
+    if frames.shape[0] == 1:
         return frames[0]
+    first, factors = factors_at(times, time)
+    near = jax.lax.dynamic_slice_in_dim(frames, first, factors.size)
+    return jnp.tensordot(factors.astype(near.dtype), near, axes=1)
+
+
+def factors_at(times: Any, time: Any) -> tuple[Any, Any]:
+    """Return the first of the nearest four times (frames,), and the factors of the cubic through them."""
+    count = times.shape[0]
     time = jnp.clip(time, times[0], times[-1])
     used = min(count, 4)
     first = jnp.clip(jnp.searchsorted(times, time, side="right") - used // 2, 0, count - used)
     local = jax.lax.dynamic_slice_in_dim(times, first, used)
-    near = jax.lax.dynamic_slice_in_dim(frames, first, used)
     gaps = local[:, None] - local + jnp.eye(used)
-    factors = jnp.where(jnp.eye(used, dtype=bool), 1.0, (time - local) / gaps)
-    return jnp.tensordot(jnp.prod(factors, axis=1).astype(near.dtype), near, axes=1)
+    return first, jnp.prod(jnp.where(jnp.eye(used, dtype=bool), 1.0, (time - local) / gaps), axis=1)
 
 
 def weak(tables: Tables, flux: Any) -> jax.Array:
