@@ -139,7 +139,7 @@ class Capsule:
         >>> import cyclosis as cy
         >>> cell = cy.Capsule(length=5.0, smoothing=0.4)
         >>> round(cell.half_width, 9), round(cell.meridian_length, 8), round(cell.half_height, 3)
-        (1.506123625, 8.01224725, 3.457)
+        (1.506123625, 8.01224725, 3.454)
     """
 
     length: float = 5.0

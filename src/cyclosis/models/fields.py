@@ -48,7 +48,8 @@ def _problem(params: Parameters, grid: ClosedGrid, terms: Iterable[TermLike] | N
 def _flow(params: Parameters, grid: ClosedGrid, state: npt.ArrayLike) -> Array:
     system: Any = closed.system(_problem(params, grid), True)
     assert closed.flow is not None
-    return closed.flow(system, system.spectrum(grid.check_state(state)), np.float64(0.0))
+    with double():
+        return closed.flow(system, system.spectrum(grid.check_state(state)), np.float64(0.0))
 
 
 def _rate_of_change(
