@@ -3,7 +3,7 @@
 Nothing is shared with the package, which works with covariant components in surface harmonics. Here vectors
 have three Cartesian components, and no derivative is taken numerically. n is the outward normal, B = grad n
 the shape operator, H its trace, I - nn the projection on the tangent plane, and a covariant derivative is the
-projection of one in space. The order vector is the tangent part of a field A(x) of plane waves, with T = grad A:
+projection of one in space. The order vector is the tangent part of a field A(x) of plane waves; T = grad A:
 
     grad P = (I - nn) T (I - nn) - (A·n) B
     Lap_B P = (I - nn)(Lap A - n·(grad grad A)·n - H T n) - 2 B Tᵗ n - B² A - (A·n) grad H
@@ -104,7 +104,7 @@ def half_height(length, w, a):
 
 
 def surface(meridian, t, theta):
-    """Return places x (..., 3), normals n, shape operators B (..., 3, 3) and grad H at points of a surface."""
+    """Return places x (..., 3), normals n, shape operators B (..., 3, 3), grad H and M at points."""
     at = meridian(t)
     one = np.ones(np.broadcast(t, theta).shape)
     cos, sin, zero = np.cos(theta) * one, np.sin(theta) * one, 0 * one
