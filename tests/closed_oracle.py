@@ -202,8 +202,8 @@ class Flow:
             size = np.linalg.norm(matrix, axis=0) + 1e-300
             self.c[m] = np.linalg.lstsq(matrix / size, wanted, rcond=1e-14)[0] / size * (2 if m else 1)
 
-    def basis(self, m, degree, here):
-        """Return u (n, degree, 3) and its gradient (n, degree, 3, 3) of every stream function of a mode m."""
+    def potentials(self, m, degree, here):
+        """Return the gradients (n, degree, 3) and second derivatives in space of (x + iy)^m L_j(z/h)."""
         x, y, z = np.moveaxis(here.x, -1, 0)
         zeta = x + 1j * y
         ring = [falling(m, k) * zeta ** max(m - k, 0) for k in range(3)]
@@ -217,6 +217,11 @@ class Flow:
             up, up
         )
         hess = hess + product(1, 1)[..., None, None] * (outer(turn, up) + outer(up, turn))
+        return grad, hess
+
+    def basis(self, m, degree, here):
+        """Return u (n, degree, 3) and its gradient (n, degree, 3, 3) of every stream function of a mode m."""
+        grad, hess = self.potentials(m, degree, here)
         u = np.einsum("nik,ndk->ndi", np.einsum("ijk,nj->nik", CROSS, here.n), grad)
         slope = np.einsum("ndk,nikl->ndil", grad, np.einsum("ijk,njl->nikl", CROSS, here.B))
         slope = slope + np.einsum("nik,ndkl->ndil", np.einsum("ijk,nj->nik", CROSS, here.n), hess)
@@ -230,6 +235,43 @@ class Flow:
             u = u + np.einsum("ndi,d->ni", own_u, c).real
             slope = slope + np.einsum("ndij,d->nij", own_slope, c).real
         return u, slope
+
+
+def eigenvalues(shape, m, degree=64):
+    """Return the eigenvalues of -Lap_B and of 2 ∫ D:D (unit ∫ |u|²) in fields of e^{imθ}, in order.
+
+    By Rayleigh and Ritz in the tangent fields n x grad ψ + (I - nn) grad φ and, for the second, n x grad ψ. Each
+    eigenvalue of Lap_B occurs twice: for P_θ + i P_s, and for its mirror image in a symmetric surface.
+    """
+    made = object.__new__(Flow)
+    made.meridian, stop, made.half = shape
+    nodes, weight = legendre.leggauss(2 * degree + 40)
+    t = 0.5 * stop * (nodes + 1)
+    at, here = made.meridian(t), surface(made.meridian, t, 0 * t)
+    area = np.sqrt(0.5 * stop * weight * at.r * at.speed)
+    first = 1 if m == 0 else 0  # a constant has no gradient
+    u, slope = (part[:, first:] for part in made.basis(m, degree, here))
+    grad, hess = (part[:, first:] for part in made.potentials(m, degree, here))
+    flat, n = here.flat[:, None], here.n[:, None]
+    along = np.sum(grad * n, -1)[..., None, None] * here.B[:, None]
+    both = np.concatenate([u, apply(flat, grad)], 1)
+    spread = np.concatenate([slope, flat @ hess @ flat - along], 1)
+    strain = 0.5 * (slope + np.swapaxes(slope, -1, -2))
+    return ritz(area, both, spread), 2 * ritz(area, u, strain)
+
+
+def ritz(area, fields, derived):
+    """Return the stationary values of ∫ |derived|² where ∫ |fields|² = 1; each (n, count, ...)."""
+    top, low = (
+        np.moveaxis(area[:, None, None] * part.reshape(*part.shape[:2], -1), 1, -1)
+        for part in (fields, derived)
+    )
+    top, low = top.reshape(-1, top.shape[-1]), low.reshape(-1, low.shape[-1])
+    size = np.linalg.norm(top, axis=0)
+    left, values, right = np.linalg.svd(top / size, full_matrices=False)
+    held = values > 1e-11 * values[0]
+    onto = right[held].conj().T / values[held]
+    return np.linalg.svd((low / size) @ onto, compute_uv=False)[::-1] ** 2
 
 
 def falling(m, k):
