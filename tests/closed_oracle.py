@@ -240,8 +240,8 @@ class Flow:
 def eigenvalues(shape, m, degree=64):
     """Return the eigenvalues of -Lap_B and of 2 ∫ D:D (unit ∫ |u|²) in fields of e^{imθ}, in order.
 
-    By Rayleigh and Ritz in the tangent fields n x grad ψ + (I - nn) grad φ and, for the second, n x grad ψ. Each
-    eigenvalue of Lap_B occurs twice: for P_θ + i P_s, and for its mirror image in a symmetric surface.
+    By Rayleigh and Ritz in the tangent fields n x grad ψ + (I - nn) grad φ, and n x grad ψ for the second.
+    Each eigenvalue of Lap_B occurs twice: for P_θ + i P_s, and for its mirror image in a symmetric surface.
     """
     made = object.__new__(Flow)
     made.meridian, stop, made.half = shape
@@ -268,7 +268,7 @@ def ritz(area, fields, derived):
     )
     top, low = top.reshape(-1, top.shape[-1]), low.reshape(-1, low.shape[-1])
     size = np.linalg.norm(top, axis=0)
-    left, values, right = np.linalg.svd(top / size, full_matrices=False)
+    _, values, right = np.linalg.svd(top / size, full_matrices=False)
     held = values > 1e-11 * values[0]
     onto = right[held].conj().T / values[held]
     return np.linalg.svd((low / size) @ onto, compute_uv=False)[::-1] ** 2

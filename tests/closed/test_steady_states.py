@@ -71,7 +71,7 @@ def test_a_droplet_circulates():
     ("length", "k_max", "of_order", "of_flow"), [(10, 20, 3e-3, 2e-3), (16, 28, 2e-4, 2e-4)]
 )
 def test_the_middle_of_a_long_capsule_is_the_periodic_cylinder(length, k_max, of_order, of_flow):
-    """With the same profile around the cell. At a length of 5 the ends still change the flow there by 0.012."""
+    """With the same profile around the cell. At a length of 5 the ends change the flow there by 0.012."""
     grid, line = cy.ClosedGrid(cy.Capsule(length), k_max=k_max), cy.CylinderGrid(96, 1)
     run = cy.simulate(PARAMS, grid, cy.closed.rotation(grid), 60.0, 60.0, stepper="etdrk4", dt=0.25)
     flat = cy.simulate(PARAMS, line, cy.initial.stripes(line), 100.0, 100.0)

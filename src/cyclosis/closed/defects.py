@@ -78,7 +78,7 @@ def _placed(
     tau = np.arccos(x)
     size = 2 * np.pi / grid.n_theta
     low, high = tau[columns], tau[columns + 1]
-    angle: Array = (rows + 0.5) * size
+    angle: Array = np.asarray((rows + 0.5) * size, dtype=np.float64)
     latitude: Array = 0.5 * (low + high)
     step = 1e-5
     if len(rows):

@@ -41,7 +41,7 @@ class ClosedGrid:
         >>> import cyclosis as cy
         >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=8)
         >>> grid.shape, grid.xyz.shape, round(grid.area / np.pi, 12)
-        ((36, 32), (3, 36, 32), 4.0)
+        ((36, 18), (3, 36, 18), 4.0)
         >>> grid.mean(grid.xyz[2] ** 2).round(12)
         np.float64(0.333333333333)
     """

@@ -92,7 +92,7 @@ class ClosedMoment(Moment):
     @cached_property
     def flow_spectrum(self) -> jax.Array:
         """The amplitudes of the flow modes."""
-        return self.operator * self.force_spectrum
+        return jnp.multiply(self.operator, self.force_spectrum)
 
     @cached_property
     def u(self) -> jax.Array:
