@@ -61,7 +61,8 @@ def errors(name, k_max, known):
     [
         ("sphere", {8: (1e-3, 2e-5), 12: (2e-6, 3e-9), 16: (4e-9, 3e-12), 20: (1e-11, 3e-12)}),
         ("spheroid", {8: (0.1, 4e-4), 16: (8e-3, 5e-6), 24: (5e-4, 2e-7)}),
-        ("capsule", {12: (1e-3, 1e-6), 20: (3e-6, 2e-9), 28: (4e-9, 1e-11)}),
+        ("capsule", {12: (1e-3, 1e-6), 20: (3e-6, 2e-9)}),
+        pytest.param("capsule", {24: (1e-7, 1e-10), 28: (4e-9, 1e-11)}, marks=pytest.mark.slow),
     ],
 )
 def test_the_right_hand_side_converges_to_the_oracle(name, bounds, exact):

@@ -92,7 +92,8 @@ class ClosedMoment(Moment):
     @cached_property
     def flow_spectrum(self) -> jax.Array:
         """The amplitudes of the flow modes."""
-        return jnp.multiply(self.operator, self.force_spectrum)
+        operator: jax.Array = self.operator  # type: ignore[assignment]
+        return operator * self.force_spectrum
 
     @cached_property
     def u(self) -> jax.Array:
