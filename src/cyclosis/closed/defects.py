@@ -77,10 +77,8 @@ def _placed(
     x = grid.points.x
     tau = np.arccos(x)
     size = 2 * np.pi / grid.n_theta
-    low: Array = tau[columns]
-    high: Array = tau[columns + 1]
-    west: Array = size * rows.astype(np.float64)
-    angle: Array = west + 0.5 * size
+    low, high = tau[columns], tau[columns + 1]
+    angle: Array = np.asarray((rows + 0.5) * size, dtype=np.float64)
     latitude: Array = 0.5 * (low + high)
     step = 1e-5
     if len(rows):
@@ -92,6 +90,6 @@ def _placed(
             volume = np.where(np.abs(volume) < 1e-12, np.inf, volume)
             d_angle = (value.imag * by_latitude.real - value.real * by_latitude.imag) / volume
             d_latitude = (value.real * by_angle.imag - value.imag * by_angle.real) / volume
-            angle = np.clip(angle + d_angle, west, west + size)
+            angle = np.clip(angle + d_angle, rows * size, (rows + 1) * size)
             latitude = np.clip(latitude + d_latitude, low, high)
     return angle % (2 * np.pi), grid.surface.meridian(latitude).s

@@ -147,6 +147,22 @@ class ClosedGrid:
         """Outward unit normals e_theta x e_s, shape (3, n_theta, n_s)."""
         return np.cross(self.e_theta, self.e_s, axis=0)
 
+    def position(self, theta: float, s: float) -> Array:
+        """Return the position (3,), in radii, at an angle θ and an arc length s from the south pole.
+
+        Raises `InputError` for an s beyond the poles.
+
+        Example:
+            >>> import numpy as np
+            >>> import cyclosis as cy
+            >>> cy.ClosedGrid(cy.Sphere(), k_max=8).position(0.0, np.pi / 2).round(12) + 0.0
+            array([1., 0., 0.])
+        """
+        from .places import latitude_of
+
+        at = self.surface.meridian(latitude_of(self.surface, s))
+        return np.array([at.r * np.cos(theta), at.r * np.sin(theta), at.z])
+
     def cartesian(self, state: npt.ArrayLike, points: npt.ArrayLike) -> Array:
         """Return a vector field (2, n_theta, n_s) at points (n, 3) of the surface, as vectors (n, 3).
 

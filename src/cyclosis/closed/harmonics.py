@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.fft import dct
 from scipy.linalg import eigh
 
 from .jacobi import weighted_jacobi
@@ -29,7 +30,9 @@ from .shapes import Meridian, Shape
 Array = npt.NDArray[np.float64]
 
 MARGIN = 24
-"""Jacobi functions beyond those that a wave of wavenumber k_max needs: eigenvalues to rounding."""
+"""Jacobi functions beyond those that a wave of wavenumber k_max and the curvature of the surface need."""
+NEGLIGIBLE = 1e-8
+"""Share of the largest wave of the curvature along the meridian below which others are not resolved."""
 
 
 class Weighted(NamedTuple):
@@ -80,15 +83,23 @@ def functions(points: Weighted, powers: tuple[int, int], count: int) -> tuple[Ar
 def harmonics(shape: Shape, k_max: float) -> list[Harmonics]:
     """Return the `Harmonics` of every m from 0 on that has a vector with λ <= k_max²."""
     speed = shape.meridian(np.linspace(0, np.pi, 65)).speed.max()
-    count = int(np.ceil(1.25 * k_max * speed)) + MARGIN
+    margin = MARGIN + _waves(shape)
+    count = int(np.ceil(1.25 * k_max * speed)) + margin
     found: list[Harmonics] = []
     # p_m vanishes near the poles as r^|m - 1|; the metric adds a few more degrees.
-    points = Weighted.of(shape, count + int(k_max) + 3 * MARGIN)
+    points = Weighted.of(shape, count + int(k_max) + 2 * margin)
     while True:
         one = _harmonics_of(len(found), points, count, k_max)
         if not len(one.rate):
             return found
         found.append(one)
+
+
+def _waves(shape: Shape) -> int:
+    """Return how many waves in τ the curvature along the meridian has: many where it changes sharply."""
+    at = shape.meridian(np.pi * (np.arange(1024) + 0.5) / 1024)
+    waves = np.abs(dct(at.k_s * at.speed))
+    return int(np.flatnonzero(waves > NEGLIGIBLE * waves.max()).max())
 
 
 def _harmonics_of(m: int, points: Weighted, count: int, k_max: float) -> Harmonics:

@@ -45,7 +45,7 @@ def noise(grid: ClosedGrid, filaments_per_square: float = 1000, seed: int = 0) -
         >>> import cyclosis as cy
         >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=8)
         >>> P = cy.closed.noise(grid, filaments_per_square=1000, seed=1)
-        >>> modes = 2 * sum(2 * l + 1 for l in range(1, 8))  # real numbers: l (l + 1) - 1 <= 64
+        >>> modes = 2 * sum(2 * l + 1 for l in range(1, 8))  # of real numbers; l (l + 1) - 1 <= 64
         >>> expected = 7.67e-3 / 1000 * modes / (2 * grid.area)
         >>> 0.8 < grid.mean(np.sum(P**2, axis=0)) / expected < 1.2
         np.True_

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ..model.programs import OFF, VARIABLE, programs_folder
 
-FORMAT = 1
+FORMAT = 2
 """To be raised when the same key gives other tables."""
 MOST_FILES = 32
 """Files that are kept; the least recently used are deleted first."""

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from ..model.arrays import numbers
 from ..model.errors import InputError
+from ..model.wording import beside
 from .grid import Array, ClosedGrid
 from .shapes import Shape
 
@@ -38,6 +39,22 @@ def latitudes(surface: Shape, points: npt.ArrayLike) -> tuple[Array, Array]:
     if distance > OFF_SURFACE:
         raise InputError("points", f"up to {distance:.3g} radii off the surface", rule, remedy)
     return np.arctan2(at[:, 1], at[:, 0]), tau
+
+
+def latitude_of(surface: Shape, s: float) -> float:
+    """Return τ, radians, at an arc length s from the south pole, in radii.
+
+    Raises `InputError` for an s beyond the poles.
+    """
+    from scipy.optimize import brentq
+
+    length = float(surface.meridian_length)
+    if not 0 <= s <= length * (1 + 1e-9):
+        rule = f"from 0 to the length of the meridian {beside(length, s)}"
+        raise InputError("s", s, rule, "measure it from the south pole")
+    if s in (0.0, length) or s > length:
+        return 0.0 if s == 0 else np.pi
+    return float(brentq(lambda tau: float(surface.meridian(tau).s) - s, 0.0, np.pi, xtol=1e-14))
 
 
 def frames(surface: Shape, theta: Array, tau: Array) -> tuple[Array, Array]:

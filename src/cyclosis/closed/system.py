@@ -92,9 +92,8 @@ class ClosedMoment(Moment):
     @cached_property
     def flow_spectrum(self) -> jax.Array:
         """The amplitudes of the flow modes."""
-        response: Any = self.operator
-        amplitudes: jax.Array = response * self.force_spectrum
-        return amplitudes
+        operator: jax.Array = self.operator  # type: ignore[assignment]
+        return operator * self.force_spectrum
 
     @cached_property
     def u(self) -> jax.Array:

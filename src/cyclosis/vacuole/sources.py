@@ -68,6 +68,9 @@ def flow(
         if t is not None:
             raise InputError("t", t, "given only with a run", "leave it out")
         return of_surface(source, u, closure)
+    if is_a(source, "ClosedGrid"):
+        rule = "a cyclosis.CylinderGrid: the vacuole of a closed cell is not modelled"
+        raise InputError("grid", source, rule, "use a cylinder")
     if u is not None:
         raise InputError("u", u, "given only with a grid", "write flow(grid, u), or flow(run) without u")
     if isinstance(source, Trajectory):
