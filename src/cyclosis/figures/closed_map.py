@@ -1,4 +1,4 @@
-"""A state on the unrolled surface of a closed cell: an equal-area map, as wide at every s as the cell is there.
+"""A state on the unrolled surface of a closed cell: an equal-area map, as wide at every s as the cell.
 
 The sinusoidal projection x = r(s) (theta - π), y = s: meridians bend, but dx dy = r dtheta ds, so that areas
 are true, and so are lengths along circles around the cell and along the meridian in the middle.
@@ -105,7 +105,7 @@ def mark_edges(ax: Any, skin: Skin) -> None:
     """Put ticks at the edges of a map, and lines along two of its sides."""
     half = np.pi * skin.widest
     ax.set_xticks([-half, half], ["0", "2π"])
-    ax.set_yticks([0, skin.length], ["0", f"{skin.length:.3g}"])
+    ax.set_yticks([0, skin.length], ["0", f"{skin.length:.2g}"])
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines["left"].set_bounds(0, skin.length)
     ax.spines["bottom"].set_bounds(-half, half)

@@ -66,8 +66,8 @@ def draw_closed(
     """Draw a state P and its flow u, (2, around, n) on the chart of a `Skin`, into matplotlib axes.
 
     Colours and lines are as in `cyclosis.figures.cylinder.draw`, with P_s, along the meridian, for P_z; on a
-    sphere, which has no axis, the colours are those of |P| and there are no indifferent zones. `marks` are the
-    defects of P. The axis is upright in the picture and leans towards the viewer by `tilt` radians.
+    sphere, which has no axis, the colours are those of |P| and there are no indifferent zones. `marks` are
+    the defects of P. The axis is upright in the picture and leans towards the viewer by `tilt` radians.
     """
     tilt = number("tilt", tilt, 0.0, 1.5, "choose an angle in radians")
     box = extent(skin, tilt)
@@ -145,9 +145,10 @@ def outline_of(skin: Skin, tilt: float) -> Path:
 def _hits(skin: Skin, tilt: float, pixels: int) -> tuple[Array, Array, Array]:
     """Return theta from the viewer, s, and the brightness of what each pixel shows, (rows, columns).
 
-    The line of sight through (x, y) meets the surface where x² + q² = r(z)², z = (y + q sin tilt)/cos tilt, at
-    the largest such q, its distance from the axis towards the viewer. Both sides are concave in q, for convex
-    surfaces: the place is found by bisection, twice. Lines that miss show the point they come closest to.
+    The line of sight through (x, y) meets the surface where x² + q² = r(z)², z = (y + q sin tilt)/cos tilt,
+    at the largest such q, its distance from the axis towards the viewer. r² - q² is concave in q, for convex
+    surfaces: its largest value is found by thirds, and the place beyond it by halves. Lines that miss show
+    the point they come closest to.
     """
     left, right, bottom, top = extent(skin, tilt)
     rows = max(2, round(pixels * (top - bottom) / (right - left)))

@@ -107,7 +107,7 @@ def travelled(dataset: xarray.Dataset) -> Array:
 
 
 def mean_square(field: Array, weights: Array | None = None) -> float:
-    """Return <|v|²>^½ of a vector field (2, ...), with weights (...) that sum to 1 if points differ in area."""
+    """Return <|v|²>^½ of a vector field (2, ...), by shares (...) of the area if points differ in it."""
     square = np.sum(field**2, axis=0)
     return float(np.sqrt(np.mean(square) if weights is None else np.sum(weights * square)))
 

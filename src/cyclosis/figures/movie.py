@@ -52,8 +52,8 @@ def movie(
     `dataset` is a run's `xarray.Dataset`. Frames are drawn once for all `paths`. `frames` are spread over
     `seconds` so that fast changes are shown slowly (see `cyclosis.figures.clock.movie_times`), from the
     first to the last saved time; between saved times P and u are interpolated linearly. The cell makes
-    `turns`, by default half a turn and a closed one a whole turn, and ends with an indifferent zone in front. The lines stream at a pace set by the flow's
-    speed, but per second of the movie, not per unit of time. `height` is in pixels, a multiple of 18;
+    `turns`, by default half a turn and a closed one a whole turn, and ends with an indifferent zone in front.
+    The lines stream at a pace set by the flow's speed, but per second of the movie, not per unit of time. `height` is in pixels, a multiple of 18;
     frames are 16:9, GIFs at most 324 pixels high. A GIF has a resolution of a hundredth of a second and shows
     at most 50 frames per second: its frames differ in duration by one hundredth, and surplus frames are left
     out, so that it lasts `seconds` too. `progress(done, total)` is called after every frame.
@@ -75,9 +75,8 @@ def movie(
         raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
     frames = whole("frames", frames, 2, 100_000, "choose a number of frames")
     seconds = number("seconds", seconds, 0.1, 3600.0, "choose a duration")
-    turns = number(
-        "turns", subject.turns if turns is None else turns, -100.0, 100.0, "choose a number of turns"
-    )
+    turns = subject.turns if turns is None else turns
+    turns = number("turns", turns, -100.0, 100.0, "choose a number of turns")
     height = whole("height", height, 90, 4320, "choose a number of pixels")
     if height % 18:
         raise InputError("height", height, "a multiple of 18, so that frames are 16:9", "choose 540 or 720")

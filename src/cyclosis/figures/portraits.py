@@ -14,7 +14,6 @@ import numpy as np
 from ..model.grid import Array, CylinderGrid
 from . import closed_map, closed_solid, cylinder, unwrapped
 from .marks import Mark
-from .ribbons import Ribbon
 from .skin import Skin
 from .streamlines import Unrolled, Wall
 from .style import colour_key

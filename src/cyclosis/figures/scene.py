@@ -57,7 +57,7 @@ class Shot:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What all frames have in common: the cell's surface, order (n,) over times (n,), and the height in pixels."""
+    """What all frames have in common: the surface, order (n,) over times (n,), and the height in pixels."""
 
     grid: CylinderGrid | Skin
     times: Array

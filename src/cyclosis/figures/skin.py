@@ -22,6 +22,8 @@ PATCH = 0.1
 """Distance between the points at which streams beside a line P_s = 0 are looked for, in radii."""
 THINNED = 4
 """Contrast is judged at every fourth point of a line."""
+PIECE = 12
+"""Points of a line that make one polygon."""
 _MARGIN = 1.0
 
 
@@ -201,14 +203,18 @@ class Skin:
             plain = np.interp(np.arange(s.size), known, weight(facing) * open_to)
             for run in runs(plain > 0):
                 points = self.at(angle[run], s[run])
-                polygons.append(self.ribbon(points, scale * ZONE_WIDTH * plain[run]))
+                width = scale * ZONE_WIDTH * plain[run]
+                # In short pieces, because a long line may pass behind the cell and come back.
+                for first in range(0, width.size - 1, PIECE):
+                    piece = slice(first, first + PIECE + 1)
+                    polygons.append(self.ribbon(points[:, piece], width[piece]))
         return polygons
 
     def beside(self, vectors: Array, theta: Array, s: Array) -> tuple[Array, Array]:
         """Return how strongly filaments near points (n,) point in both directions of the meridian, and |P|.
 
-        The first is `cyclosis.zones.contrast` of a state given as `vectors` (3, around, n) in space, in a patch
-        of the plane that touches the surface at each point.
+        The first is `cyclosis.zones.contrast` of a state given as `vectors` (3, around, n) in space, in a
+        patch of the plane that touches the surface at each point.
         """
         around, along, _ = self.frames(theta, s)
         steps = PATCH * np.arange(-round(REACH / PATCH), round(REACH / PATCH) + 1)

@@ -1,4 +1,4 @@
-"""What a run's dataset shows: the surface of its cell, its frames as drawings take them, and their best side."""
+"""What a run shows: the surface of its cell, its frames as drawings take them, and their best side."""
 
 from __future__ import annotations
 
