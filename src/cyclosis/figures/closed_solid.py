@@ -27,20 +27,21 @@ _DARKEST = 0.5
 _EDGE = 0.03
 
 
-def seen(
-    skin: Skin, points: npt.ArrayLike, view_angle: float, tilt: float
-) -> tuple[Array, npt.NDArray[np.float64]]:
-    """Return where points (n, 3) of the surface appear, (n, 2), and how much they face the viewer, -1 to 1.
+def seen(skin: Skin, points: npt.ArrayLike, view_angle: float, tilt: float) -> tuple[Array, Array]:
+    """Return where points (n, 3) of the surface appear, (n, 2), and their normals (n, 3) as they appear.
 
-    Points that do not, with 0 or less, are hidden: the surface is convex. Lengths are in radii; (0, 0) is the
-    middle of the cell.
+    Normals have a component to the right, one upwards, and one towards the viewer: where that is not positive
+    a point is hidden, since the surface is convex. Lengths are in radii; (0, 0) is the middle of the cell.
     """
     x, y, z = np.asarray(points, dtype=np.float64).T
     theta, s = skin.chart((x, y, z))
     across, up, _ = project(theta, z, view_angle, tilt, np.hypot(x, y))
     normal = skin.frames(theta, s)[2]
-    facing = normal[0] * np.cos(view_angle) + normal[1] * np.sin(view_angle)
-    return np.stack([across, up], axis=1), facing * np.cos(tilt) + normal[2] * np.sin(tilt)
+    sideways = normal[1] * np.cos(view_angle) - normal[0] * np.sin(view_angle)
+    ahead = normal[0] * np.cos(view_angle) + normal[1] * np.sin(view_angle)
+    upwards = normal[2] * np.cos(tilt) - ahead * np.sin(tilt)
+    towards = normal[2] * np.sin(tilt) + ahead * np.cos(tilt)
+    return np.stack([across, up], axis=1), np.stack([sideways, upwards, towards], axis=1)
 
 
 def extent(skin: Skin, tilt: float = TILT) -> tuple[float, float, float, float]:
@@ -85,9 +86,8 @@ def draw_closed(
         flat, strengths = [], []
         every = np.broadcast_to(alpha, len(found)).tolist()
         for polygon, strength in zip(found, every, strict=True):
-            places, facing = seen(skin, polygon, view_angle, tilt)
-            places = cut(places, facing)
-            if len(places) > 2:
+            places = cut(*seen(skin, polygon, view_angle, tilt), 2 * box[3])
+            if len(places):
                 flat.append(places)
                 strengths.append(strength)
         paint(ax, flat, colour, np.array(strengths), clip=body)
@@ -100,8 +100,9 @@ def draw_closed(
     ax.add_artist(PathPatch(body, facecolor="none", edgecolor=INK, linewidth=0.6, zorder=3))
     if marks:
         index, theta, s = np.array(marks).T
-        places, facing = seen(skin, skin.at(theta, s).T, view_angle, tilt)
-        draw_marks(ax, places[facing > 0], index[facing > 0])
+        places, normals = seen(skin, skin.at(theta, s).T, view_angle, tilt)
+        front = normals[:, 2] > 0
+        draw_marks(ax, places[front], index[front])
     ax.set(
         xlim=(box[0] - _EDGE, box[1] + _EDGE),
         ylim=(box[2] - _EDGE, box[3] + _EDGE),
@@ -110,17 +111,27 @@ def draw_closed(
     ax.set_axis_off()
 
 
-def cut(polygon: Array, facing: Array) -> Array:
-    """Return the part of a polygon (n, 2) whose points face the viewer, cut where `facing` (n,) is zero."""
+def cut(polygon: Array, normals: Array, far: float) -> Array:
+    """Return a polygon (n, 2) with its hidden parts outside the silhouette, where they are clipped.
+
+    `normals` (n, 3) are those of `seen`. Hidden points move outwards by `far`, so that a polygon that passes
+    behind the cell and comes back does not take a short cut across the picture. Nothing is left of a polygon
+    that is hidden altogether.
+    """
+    facing = normals[:, 2]
     front = facing > 0
     if front.all():
         return polygon
-    after, ahead = np.roll(polygon, -1, axis=0), np.roll(facing, -1)
-    crossing = front != (ahead > 0)
+    if not front.any():
+        return np.empty((0, 2))
+    ahead = np.roll(facing, -1)
     share = facing / np.where(facing == ahead, 1.0, facing - ahead)
-    # Between every two points the one where they cross, if they do.
-    both = np.stack([polygon, polygon + share[:, None] * (after - polygon)], axis=1)
-    return np.asarray(both[np.stack([front, crossing], axis=1)])
+    edge = polygon + share[:, None] * (np.roll(polygon, -1, axis=0) - polygon)
+    outwards = normals[:, :2] / np.maximum(np.hypot.reduce(normals[:, :2], axis=1), 1e-300)[:, None]
+    moved = np.where(front[:, None], polygon, polygon + far * outwards)
+    # After each point the one where the line to the next crosses the silhouette, if it does.
+    kept = np.stack([np.ones_like(front), front != (ahead > 0)], axis=1)
+    return np.asarray(np.stack([moved, edge], axis=1)[kept])
 
 
 @lru_cache(maxsize=8)

@@ -41,9 +41,9 @@ def emergence(
     marked by their index, and equal-area maps (see `cyclosis.figures.closed_map`). `times` of the cells (2 to
     8): the saved frames nearest to them are drawn and labelled with their actual times; by default six that
     show how the state developed. `map_times` are those of them to unwrap, at most half as many; by default
-    every second. `view_angle` (radians) is the angle that faces the viewer, by default one that shows an indifferent
-    zone of the last frame; `tilt` (radians) is how far the viewer looks down, by default 0.2, and 0.6 on a
-    closed cell, to show its end; `width` is in millimetres.
+    every second. `view_angle` (radians) is the angle that faces the viewer, by default one that shows an
+    indifferent zone of the last frame; `tilt` (radians) is how far the viewer looks down, by default 0.2, and
+    0.6 on a closed cell, to show its end; `width` is in millimetres.
     Colours, lines and strengths mean the same in all frames. Raises `InputError` for times outside the
     dataset, too few frames, or a dataset without fields.
 

@@ -53,10 +53,11 @@ def movie(
     `seconds` so that fast changes are shown slowly (see `cyclosis.figures.clock.movie_times`), from the
     first to the last saved time; between saved times P and u are interpolated linearly. The cell makes
     `turns`, by default half a turn and a closed one a whole turn, and ends with an indifferent zone in front.
-    The lines stream at a pace set by the flow's speed, but per second of the movie, not per unit of time. `height` is in pixels, a multiple of 18;
-    frames are 16:9, GIFs at most 324 pixels high. A GIF has a resolution of a hundredth of a second and shows
-    at most 50 frames per second: its frames differ in duration by one hundredth, and surplus frames are left
-    out, so that it lasts `seconds` too. `progress(done, total)` is called after every frame.
+    The lines stream at a pace set by the flow's speed, but per second of the movie, not per unit of time.
+    `height` is in pixels, a multiple of 18; frames are 16:9, GIFs at most 324 pixels high. A GIF has a
+    resolution of a hundredth of a second and shows at most 50 frames per second: its frames differ in
+    duration by one hundredth, and surplus frames are left out, so that it lasts `seconds` too.
+    `progress(done, total)` is called after every frame.
     `workers` processes draw, by default one per core; in a script that is not guarded by
     `if __name__ == "__main__":` give 1. Raises `InputError` for bad arguments, fewer than 2 saved
     frames, and places that cannot be written to.
