@@ -217,13 +217,13 @@ class Skin:
         patch of the plane that touches the surface at each point.
         """
         around, along, _ = self.frames(theta, s)
-        steps = PATCH * np.arange(-round(REACH / PATCH), round(REACH / PATCH) + 1)
+        reach, grain = round(REACH / PATCH), round(GRAIN / PATCH)
+        steps = PATCH * np.arange(-reach - grain, reach + grain + 1)
         across, up = steps[:, None, None], steps[None, :, None]
         points = self.at(theta, s)[:, None, None] + around[:, None, None] * across + along[:, None, None] * up
         found = self.sampled(vectors, *self.chart(points))
         polarity = np.sum(found * along[:, None, None], axis=0)
-        middle = len(steps) // 2
-        wide = 2 * round(GRAIN / PATCH) + 1
-        polarity = uniform_filter(polarity, (wide, wide, 1), mode="nearest")
+        middle = reach + grain
+        polarity = uniform_filter(polarity, (2 * grain + 1, 2 * grain + 1, 1))[grain:-grain, grain:-grain]
         facing = np.minimum(polarity.max((0, 1)), (-polarity).max((0, 1)))
         return facing, np.asarray(np.hypot.reduce(found[:, middle, middle]))
