@@ -14,7 +14,7 @@ from ..model.grid import Array, covered
 if TYPE_CHECKING:
     import xarray
 
-EVEN = 3e-3
+EVEN = 1e-5
 """Latitudes are those of a whole cell if they lie symmetrically about its middle to within this, in radii."""
 
 
