@@ -69,7 +69,7 @@ def test_a_closed_surface_has_its_shape_and_its_poles(tmp_path):
     grid = cy.ClosedGrid(cy.Sphere(), k_max=6)
     state = cy.closed.rotation(grid)
     dims = ("time", "component", "theta", "s")
-    fields = {name: (dims, state[None]) for name in ("P", "u")}
+    fields = dict.fromkeys(("P", "u"), (dims, state[None]))
     shape = {name: (item.dims, item.values) for name, item in cy.models.closed.geometry(grid).items()}
     coords = {"time": [0.0], "theta": grid.theta, "s": grid.s, "component": ["theta", "s"]}
     data = xarray.Dataset(fields | shape, coords)
