@@ -36,9 +36,15 @@ class Look:
 class Portrait(Protocol):
     """The drawings of cells of one shape."""
 
-    across: str
-    """What the map's horizontal and vertical axes are called."""
-    along: str
+    @property
+    def across(self) -> str:
+        """The name of the map's horizontal axis."""
+        ...
+
+    @property
+    def along(self) -> str:
+        """The name of its vertical axis."""
+        ...
 
     @property
     def wall(self) -> Wall:
