@@ -138,6 +138,9 @@ def _of_run(run: Trajectory) -> tuple[CylinderGrid, Array, Callable[[int], Array
 
 
 def _of_dataset(data: xarray.Dataset) -> tuple[CylinderGrid, Array, Callable[[int], Array]]:
+    if "s" in data.coords:
+        rule = "the periodic cylinder, for which alone this is defined"
+        raise InputError("the surface of the run", "a closed cell", rule, "use a run of another model")
     lacking = [name for name in ("theta", "z", "time") if name not in data.coords]
     if lacking:
         rule = "those of a run: theta, z and time"

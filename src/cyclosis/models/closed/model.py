@@ -19,6 +19,7 @@ from ...closed.space import closed_space
 from ...closed.system import PRINCIPAL, REPULSIONS, ClosedSystem, closed_system, flow_vector, vector
 from ...contract.members import Starts
 from ...contract.model import Model, Problem, Times
+from ...display.notebook import closed_map_of
 from ...model.errors import InputError, choice
 from ...model.parameters import Parameters
 from ...model.precision import double
@@ -175,6 +176,7 @@ _CLOSED = Model(
     attributes=lambda grid: {"surface": grid.surface.kind, "area": grid.area},
     geometry=stored.geometry,
     caption=_caption,
+    picture=lambda grid, state: closed_map_of(state, grid.s, grid.r),
 )
 
 closed = closed_model()
