@@ -94,9 +94,13 @@ class Skin:
 
     def at(self, theta: npt.ArrayLike, s: npt.ArrayLike) -> Array:
         """Return the points (3, ...) at angles theta (...) and arc lengths s (...)."""
-        r = np.interp(s, self.s, self.r)
+        r = np.interp(np.asarray(s, dtype=np.float64), self.s, self.r)
         return np.stack(
-            np.broadcast_arrays(r * np.cos(theta), r * np.sin(theta), np.interp(s, self.s, self.z))
+            np.broadcast_arrays(
+                r * np.cos(theta),
+                r * np.sin(theta),
+                np.interp(np.asarray(s, dtype=np.float64), self.s, self.z),
+            )
         )
 
     def frames(self, theta: Array, s: Array) -> tuple[Array, Array, Array]:
