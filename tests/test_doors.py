@@ -122,7 +122,7 @@ def example(function, name):
         return 2 if default is None else default
     if name == "run":
         return short_run()
-    if name in ON_CLOSED and "ClosedGrid" == str(arguments(function)["grid"].annotation):
+    if name in ON_CLOSED and str(getattr(arguments(function).get("grid"), "annotation", "")) == "ClosedGrid":
         return ON_CLOSED[name]
     assert name in EXAMPLES, f"give {function.__name__} an example of {name} in EXAMPLES"
     if (function.__name__, name) in (("profile_modes", "P"), ("elliptic_profile", "theta")):
