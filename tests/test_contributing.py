@@ -272,7 +272,7 @@ def test_a_model(tree):
         ),
     )
     tree.python(MODEL_WORKS)
-    assert "polar, kinetic, coupled, closed, ring" in tree.cyclosis("run", "--help")
+    assert "polar, kinetic, coupled, closed, ring" in " ".join(tree.cyclosis("run", "--help").split())
     tree.cyclosis("figure", "history", "ring.nc", "--out", "ring.png")
     contract = tree.folder / "tests" / "models" / "test_contract.py"
     assert "tests/models/test_contract.py" in four
