@@ -408,6 +408,12 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     "experiments": ("Experiments", "tests of the paper's claims on the model", "", ("cyclosis.experiments",)),
     "figures": ("Figures", "pictures of runs, sweeps and theory", "", tuple(FIGURES)),
     "models": ("Models", "the physics to choose from", "", ("cyclosis.models", "cyclosis.kinetic")),
+    "closed": (
+        "The closed cell",
+        "shapes, grids, initial states and defects on closed surfaces",
+        "Capsule Spheroid Sphere ClosedGrid",
+        ("cyclosis.closed",),
+    ),
     "vacuole": ("The vacuole", "the flow inside the cell, and what it carries", "", ("cyclosis.vacuole",)),
     "traced": ("For JAX", "the functions that `jit`, `grad` and `vmap` may trace", "", ("cyclosis.traced",)),
 }

@@ -14,6 +14,7 @@ ORDER = [
     "display",
     "model",
     "contract",
+    "closed",
     "analysis",
     "models",
     "dynamics",

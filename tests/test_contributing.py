@@ -258,15 +258,21 @@ def test_a_model(tree):
             "from .polar_cylinder import polar as polar\n",
             "from .polar_cylinder import polar as polar\nfrom .ring import ring as ring\n",
         ),
-        ("for item in (polar, kinetic, coupled)", "for item in (polar, kinetic, coupled, ring)"),
+        (
+            "for item in (polar, kinetic, coupled, closed)",
+            "for item in (polar, kinetic, coupled, closed, ring)",
+        ),
     )
     tree.change(
         three,
         "cyclosis/model/definitions.py",
-        ('allowed=("polar", "kinetic", "coupled")', 'allowed=("polar", "kinetic", "coupled", "ring")'),
+        (
+            'allowed=("polar", "kinetic", "coupled", "closed")',
+            'allowed=("polar", "kinetic", "coupled", "closed", "ring")',
+        ),
     )
     tree.python(MODEL_WORKS)
-    assert "polar, kinetic, coupled, ring" in tree.cyclosis("run", "--help")
+    assert "polar, kinetic, coupled, closed, ring" in " ".join(tree.cyclosis("run", "--help").split())
     tree.cyclosis("figure", "history", "ring.nc", "--out", "ring.png")
     contract = tree.folder / "tests" / "models" / "test_contract.py"
     assert "tests/models/test_contract.py" in four
@@ -274,7 +280,7 @@ def test_a_model(tree):
     told = tree.run("-m", "pytest", "-v", "-k", "von_mises or bit_for_bit", str(contract))
     assert "4 passed" in told
     assert "generate.py" in five
-    assert "polar, kinetic, coupled, ring" in tree.page("settings.md")
+    assert "polar, kinetic, coupled, closed, ring" in tree.page("settings.md")
 
 
 EXPERIMENT = '''"""Whether disorder orders."""

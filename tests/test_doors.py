@@ -23,9 +23,12 @@ from cyclosis.model.scales import layer_mu
 GRID = cy.CylinderGrid(16, 16)
 PARAMS = cy.Parameters()
 STATE = cy.initial.stripes(GRID)
+CLOSED = cy.ClosedGrid(cy.Sphere(), k_max=4)
+ON_CLOSED = {"grid": CLOSED, "state": np.zeros((2, *CLOSED.shape)), "m": 1}
+"""Examples for the functions that take a closed grid alone."""
 MODULES = (
     *(cy, cy.stability, cy.stability.dispersion, cy.stability.elliptic, cy.stability.profile),
-    *(cy.zones, cy.diagnostics, cy.initial, bumps, cy.ensemble, cy.regions, cy.vacuole),
+    *(cy.zones, cy.diagnostics, cy.initial, bumps, cy.ensemble, cy.regions, cy.vacuole, cy.closed),
 )
 API = Path(__file__).parents[1] / "docs" / "api"
 DOCUMENTED = re.compile(r"^\.\. autofunction:: (cyclosis\.figures\.\w+)\.(\w+)$", re.MULTILINE)
@@ -119,6 +122,8 @@ def example(function, name):
         return 2 if default is None else default
     if name == "run":
         return short_run()
+    if name in ON_CLOSED and str(getattr(arguments(function).get("grid"), "annotation", "")) == "ClosedGrid":
+        return ON_CLOSED[name]
     assert name in EXAMPLES, f"give {function.__name__} an example of {name} in EXAMPLES"
     if (function.__name__, name) in (("profile_modes", "P"), ("elliptic_profile", "theta")):
         return np.cos(GRID.theta)

@@ -2,6 +2,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+import xarray
 
 import cyclosis as cy
 from cyclosis.dataset import export_vtk
@@ -61,3 +62,27 @@ def test_a_part_of_a_cell_is_not_closed_to_a_whole_one(data, tmp_path):
     with pytest.raises(cy.InputError, match=r"z in the dataset .* the whole cell"):
         export_vtk(data.isel(z=slice(0, 4)), tmp_path / "part")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_closed_surface_has_its_shape_and_its_poles(tmp_path):
+    """A rotation about the y axis is one field in space, e_y x (x, y, z) but for its size, poles included."""
+    grid = cy.ClosedGrid(cy.Sphere(), k_max=6)
+    state = cy.closed.rotation(grid)
+    dims = ("time", "component", "theta", "s")
+    fields = dict.fromkeys(("P", "u"), (dims, state[None]))
+    shape = {name: (item.dims, item.values) for name, item in cy.models.closed.geometry(grid).items()}
+    coords = {"time": [0.0], "theta": grid.theta, "s": grid.s, "component": ["theta", "s"]}
+    data = xarray.Dataset(fields | shape, coords)
+    export_vtk(data, tmp_path / "run")
+    stored = read(tmp_path / "run" / "frame-00000.vts")
+    points, found = stored["points"], stored["P"]
+    assert points.shape == ((grid.n_theta + 1) * (grid.n_s + 2), 3)
+    assert np.linalg.norm(points, axis=1) == pytest.approx(np.ones(len(points)), abs=1e-4)
+    assert np.abs(points[:, 2]).max() == pytest.approx(1.0, abs=1e-4)
+    size = np.hypot(*state).max() / np.hypot(grid.xyz[2], grid.xyz[0]).max()
+    expected = size * np.stack([points[:, 2], 0 * points[:, 2], -points[:, 0]], axis=1)
+    assert found == pytest.approx(expected, abs=1e-3)
+    tangent = stored["P_theta"] ** 2 + stored["P_s"] ** 2
+    assert np.sum(found**2, axis=1) == pytest.approx(tangent)
+    with pytest.raises(cy.InputError, match=r"s in the dataset .* from pole to pole"):
+        export_vtk(data.isel(s=slice(0, 10)), tmp_path / "part")

@@ -29,11 +29,13 @@ if TYPE_CHECKING:
     from . import vacuole as vacuole
     from .analysis import diagnostics as diagnostics
     from .analysis import zones as zones
-    from .analysis.diagnostics import diagnose as diagnose
     from .analysis.diagnostics import spectra as spectra
     from .analysis.regimes import REGIMES as REGIMES
     from .analysis.regimes import Regime as Regime
-    from .analysis.regimes import regime as regime
+    from .closed.grid import ClosedGrid as ClosedGrid
+    from .closed.shapes import Capsule as Capsule
+    from .closed.shapes import Sphere as Sphere
+    from .closed.shapes import Spheroid as Spheroid
     from .dataset import RunWriter as RunWriter
     from .dataset import load as load
     from .dataset import open_dataset as open_dataset
@@ -60,13 +62,17 @@ if TYPE_CHECKING:
     from .model.grid import interpolate as interpolate
     from .model.parameters import Parameters as Parameters
     from .model.scales import Scales as Scales
-    from .model.system import flow as flow
-    from .model.system import rate_of_change as rate_of_change
+    from .models.fields import diagnose as diagnose
+    from .models.fields import flow as flow
+    from .models.fields import rate_of_change as rate_of_change
+    from .models.fields import regime as regime
     from .sweep.execute import run_sweep as run_sweep
     from .sweep.plan.sweep import Sweep as Sweep
     from .sweep.store.read import open_sweep as open_sweep
 
 _HOME = {
+    "Capsule": "closed.shapes",
+    "ClosedGrid": "closed.grid",
     "CylinderGrid": "model.grid",
     "InputError": "model.errors",
     "Parameters": "model.parameters",
@@ -77,6 +83,8 @@ _HOME = {
     "RunWriter": "dataset",
     "Snapshot": "dynamics.run",
     "Status": "dynamics.trajectory",
+    "Sphere": "closed.shapes",
+    "Spheroid": "closed.shapes",
     "Sweep": "sweep.plan",
     "TERMS": "model.filaments",
     "Term": "model.filaments",
@@ -84,16 +92,16 @@ _HOME = {
     "align": "dynamics.protocol",
     "change": "dynamics.protocol",
     "depolymerise": "dynamics.protocol",
-    "diagnose": "analysis.diagnostics",
-    "flow": "model.system",
+    "diagnose": "models.fields",
+    "flow": "models.fields",
     "fragment": "dynamics.protocol",
     "interpolate": "model.grid",
     "load": "dataset",
     "noise": "dynamics.protocol",
     "open_dataset": "dataset",
     "open_sweep": "sweep.store.read",
-    "rate_of_change": "model.system",
-    "regime": "analysis.regimes",
+    "rate_of_change": "models.fields",
+    "regime": "models.fields",
     "resume": "dynamics.simulate",
     "resume_file": "dataset",
     "run_sweep": "sweep.execute",
@@ -103,6 +111,7 @@ _HOME = {
     "write": "dataset",
 }
 _MODULES = {
+    "closed": "closed",
     "diagnostics": "analysis.diagnostics",
     "ensemble": "ensemble",
     "initial": "model.initial",

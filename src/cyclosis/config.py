@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,7 +72,7 @@ def read_protocol(path: str | Path) -> list[Any]:
 def load(path: str | Path) -> dict[str, Any]:
     """Return the contents of a TOML file, unchecked. Raises `InputError` if it is not a TOML file."""
     try:
-        with open(path, "rb") as file:
+        with open(path, "rb") as file, _uncollected():
             return tomllib.load(file)
     except tomllib.TOMLDecodeError as error:
         raise InputError("config", str(path), "valid TOML", f"correct this: {error}") from error
@@ -83,6 +85,18 @@ def load(path: str | Path) -> dict[str, Any]:
         raise InputError(
             "config", str(path), "a file that can be read", f"check the path ({reason})"
         ) from error
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Collect no garbage meanwhile: at the bottom of a deep recursion that fails too, and prints so."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def check(tables: Mapping[str, Any], known: Mapping[str, Iterable[Definition]] = TABLES) -> Tables:
@@ -129,7 +143,7 @@ def setup(tables: Tables, steps: Any = ()) -> Setup:
     run = dict(tables["run"])
     _refuse_idle(run)
     terms = run.pop("terms", None)
-    grid = model.grid(**tables["grid"])
+    grid = model.grid_from(tables["grid"])
     params = model.parameters(**tables["parameters"])
     given = tables["initial"]
     initial = {"kind": INITIAL[0].default} | given

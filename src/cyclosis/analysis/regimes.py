@@ -68,6 +68,15 @@ class Regime:
     def __str__(self) -> str:
         return f"{self.name} ({self.reason})"
 
+    @property
+    def details(self) -> dict[str, str]:
+        """The zones and the widths of the stripes in words, by what they are."""
+        angles = ", ".join(f"{np.degrees(angle):.1f}°" for angle in self.zones)
+        return {
+            "indifferent zones": f"{self.zones.size}, at {angles}" if self.zones.size else "none",
+            "stripe widths": " : ".join(f"{width:.4f}" for width in self.widths) or "none",
+        }
+
 
 @door
 def regime(

@@ -38,7 +38,7 @@ command(
     app,
     "vacuole run.nc",
     "vacuole run.nc --time 20 --section 2.5 --out inside --volume",
-    "vacuole run.nc --uptake --dispersion --pitch 5 --poincare --dye 50 --gif",
+    "vacuole run.nc --uptake --dispersion --poincare --dye 50 --gif",
 )(vacuole)
 
 

@@ -22,14 +22,14 @@ def emergence(
     file: FILE,
     out: TARGET = None,
     times: Annotated[
-        str | None, typer.Option(metavar="X,Y,...", help="Times of the cylinders, six, as 0,3,6,12,21,30.")
+        str | None, typer.Option(metavar="X,Y,...", help="Times of the cells, six, as 0,3,6,12,21,30.")
     ] = None,
     map_times: Annotated[
         str | None, typer.Option(metavar="X,Y,...", help="Which of them to show unwrapped as well, three.")
     ] = None,
     force: FORCE = False,
 ) -> None:
-    """Draw the emergence of streaming: six times on the cylinder, three of them unwrapped (PNG or PDF)."""
+    """Draw the emergence of streaming: the cell at six times, three of them unwrapped (PNG or PDF)."""
     from ..figures import emergence as figure
 
     shown, mapped = (None if text is None else _TIMES.parse(text) for text in (times, map_times))
@@ -38,7 +38,7 @@ def emergence(
 
 
 def history(file: FILE, out: TARGET = None, force: FORCE = False) -> None:
-    """Draw order, speed, stripes and power over time, and the final profile against theory (PNG or PDF)."""
+    """Draw order, speed, stripes or defects, and power over time, and the final profile (PNG or PDF)."""
     from ..figures import history as figure
 
     target = out or file.with_name(f"{file.stem}-history.png")

@@ -171,7 +171,7 @@ def movie(
     force: FORCE = False,
     quiet: QUIET = False,
 ) -> None:
-    """Draw a movie: the slowly turning cylinder next to the unwrapped map, with the flow."""
+    """Draw a movie: the slowly turning cell next to the unwrapped map, with the flow."""
     from .. import dataset
     from ..figures import movie as figure
     from ..progress import Bar
@@ -195,7 +195,7 @@ def export(
     ] = None,
     force: FORCE = False,
 ) -> None:
-    """Export every saved field to VTK files of the cylinder's surface, for ParaView."""
+    """Export every saved field to VTK files of the cell's surface, for ParaView."""
     from .. import dataset
 
     if out is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
@@ -66,6 +66,20 @@ class Coordinate:
 
 
 @dataclass(frozen=True)
+class Geometry:
+    """Something that follows from a grid and is stored once: its dimensions, values and meaning."""
+
+    dims: tuple[str, ...]
+    values: npt.NDArray[Any]
+    meaning: str
+
+
+def fields_of(grid: Any) -> dict[str, Any]:
+    """Return the fields of a grid by name: its [grid] table, for grids that are made of numbers alone."""
+    return {item.name: getattr(grid, item.name) for item in fields(grid)}
+
+
+@dataclass(frozen=True)
 class Problem:
     """What defines a right-hand side: parameters on a grid, active terms, dealiasing and precision.
 
@@ -89,8 +103,10 @@ class Problem:
 class Model:
     """One physics: data, and functions of a `Problem`. `cyclosis.models` lists those there are.
 
-    `parameters` and `grid` are the classes of its arguments. Parameters have `items()`, `replace(**values)`
-    and `require_grid(grid)`, and can be compared; a grid is a frozen dataclass with a `shape`.
+    `parameters` and `grid` are the classes of its arguments; `grid_of(**table)` makes a grid of a [grid]
+    table, by default its class, and `table_of` gives that table. Parameters have `items()`,
+    `replace(**values)` and `require_grid(grid)`, and can be compared; a grid is a frozen dataclass with a
+    `shape`.
 
     The equation. `terms` selects the terms that act. `system` prepares a problem for a stepper, with its
     linear terms separate from the rest or not; `ramped` does so for parameters that change from those of one
@@ -105,18 +121,17 @@ class Model:
     resolution is too coarse, with their limits, judged once `decay_time` has passed, and `remedies` what some
     of them call for; `peak` names max |P|. `finer` says in words which grid is fine enough. `flow` gives the
     flow that modes drive, if the model has any. `regime` returns the regime of a state, with its `name`, one
-    of `regimes`, and its relative `rate` of change. With `lanes` the members of an ensemble are integrated
-    together, without them one by one. `starts` makes initial states for configurations. A sweep stores
-    `member_variables`, of which `member_row(member, outcome)` gives those that are not quantities of the
-    final state.
-
+    of `regimes`, its relative `rate` of change, and `details` in words. With `lanes` the members of an
+    ensemble are integrated together, without them one by one. `starts` makes initial states for
+    configurations. A sweep stores `member_variables`, of which `member_row(member, outcome)` gives those that
+    are not quantities of the final state.
 
     Files. `stored` lists what is stored of every frame, first the state itself (complex ones as pairs along a
     first dimension); `coordinates(grid, shape)` has the values along its dimensions, given the shape of a
     state, or None where that follows from the grid. `derive` returns a function of (params, state) that gives
     the rest of `stored` by name. `options` are what a [model] table says of the model. `attributes` are
-    further ones of a file; `title` and `source` name what is in it. `caption` describes a grid, and
-    `picture` draws a state for a notebook.
+    further ones of a file, and `geometry` is what it stores of the grid; `title` and `source` name what is in
+    it. `caption` describes a grid, and `picture` draws a state for a notebook.
     """
 
     name: str
@@ -155,6 +170,9 @@ class Model:
     flow: Callable[[Any, Any, Any], Array] | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
     attributes: Callable[[Any], dict[str, Any]] = field(default=lambda grid: {})
+    geometry: Callable[[Any], dict[str, Geometry]] = field(default=lambda grid: {})
+    grid_of: Callable[..., Any] | None = None
+    table_of: Callable[[Any], dict[str, Any]] = field(default=fields_of)
     caption: Callable[[Any], str] = field(default=str)
     picture: Callable[[Any, Array], str] = field(default=lambda grid, state: "")
 
@@ -172,6 +190,10 @@ class Model:
     ) -> Problem:
         """Return a problem of this model. Raises `InputError` for terms that it does not have."""
         return Problem(self, params, grid, self.terms(terms), dealias, precision, shape)
+
+    def grid_from(self, table: Mapping[str, Any]) -> Any:
+        """Return the grid of a [grid] table. Raises `InputError` for what it cannot have."""
+        return (self.grid_of or self.grid)(**table)
 
     @property
     def certifies(self) -> bool:

@@ -76,7 +76,10 @@ def of_trajectory(
     apart = run.settings.record_every is not None
     if apart:
         coordinates["record_time"] = _along("record_time", run.record_times[first_record:])
-    variables = {}
+    variables = {
+        name: FileVariable(item.dims, item.values, described(item.meaning))
+        for name, item in run.model.geometry(run.grid).items()
+    }
     for item in run.model.quantities:
         if item.name in run.records:
             values = run.records[item.name][first_record:]

@@ -164,7 +164,7 @@ def _trajectory(
         n: contents.variables[n].values if v == "field" else v for n, v in asked["parameters"].items()
     }
     model = contents.model
-    grid = model.grid(**asked["grid"])
+    grid = model.grid_from(asked["grid"])
     settings = Settings(**{k: v for k, v in asked["run"].items() if k != "terms"})
     restart_arrays = _stepper_state(contents)
     final_state = model.state(grid, restart_arrays["spectrum"])

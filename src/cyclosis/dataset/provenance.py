@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from dataclasses import fields
 from datetime import UTC, datetime
 from typing import Any
 
@@ -24,7 +23,7 @@ def configuration(run: Trajectory) -> dict[str, Any]:
     """Return the configuration as the tables of a configuration file (fields are named, not listed)."""
     asked: dict[str, Any] = {
         "parameters": {n: "field" if isinstance(v, np.ndarray) else v for n, v in run.params.items()},
-        "grid": {item.name: getattr(run.grid, item.name) for item in fields(run.grid)},
+        "grid": run.model.table_of(run.grid),
         "run": {k: v for k, v in run.settings.as_dict().items() if v is not None}
         | {"terms": [term.name for term in run.terms]},
     }

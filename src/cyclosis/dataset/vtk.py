@@ -1,4 +1,4 @@
-"""The saved fields as VTK files of the cylinder's surface, for ParaView."""
+"""The saved fields as VTK files of the cell's surface, for ParaView."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..model.grid import Array, covered
 from .owner import claim
 from .parts import folder_of
 from .place import in_the_way
+from .revolved import Surface, is_revolved, revolved
 from .whole import remove, temporary
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
 
     The surface is embedded in space with radius 1 and its axis along z; the seam is closed by repeating
     the first points, around and along the axis. Point data: vectors `P` and `u` in Cartesian
-    components, scalars `P_theta`, `P_z`, `u_theta`, `u_z`, all dimensionless. With `force` the files of an
+    components, scalars `P_theta`, `P_z`, `u_theta`, `u_z`, all dimensionless. A closed surface has its true
+    shape and its poles, and scalars `P_s` and `u_s` along the meridians. With `force` the files of an
     earlier export are replaced, and all others are kept. Raises `InputError` if the folder is not empty
     (unless `force`) or cannot be written, and if the dataset covers only a part of a cell.
 
@@ -38,8 +40,7 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
         ('surface.pvd', ['frame-00000.vts', 'frame-00001.vts'])
     """
     target = Path(folder).resolve()
-    for name, period in (("theta", 2 * np.pi), ("z", float(dataset.attrs["length"]))):
-        covered(name, dataset[name].values, period, "the dataset")
+    surface = revolved(dataset) if is_revolved(dataset) else _cylinder(dataset)
     new = temporary(target) if target.name else target
     try:
         used = target.exists() and (not target.is_dir() or any(target.iterdir()))
@@ -47,7 +48,7 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
             raise in_the_way(target, "a new or empty folder")
         with claim(folder_of(target), target):
             new.mkdir()
-            _write(dataset, new, target.name)
+            _write(dataset, surface, new, target.name)
             target.mkdir(exist_ok=True)
             _replace(new, target)
     except OSError as error:
@@ -72,27 +73,35 @@ _FIRST = b'"frame-00000.vts"'
 """A name to which every collection written here refers."""
 
 
-def _write(dataset: xarray.Dataset, target: Path, title: str) -> None:
+def _write(dataset: xarray.Dataset, surface: Surface, target: Path, title: str) -> None:
     from pyevtk.hl import gridToVTK  # imported only here, since every run loads this module
     from pyevtk.vtk import VtkGroup
 
-    length = float(dataset.attrs["length"])
-    theta = np.append(dataset["theta"].values, 2 * np.pi)
-    z = np.append(dataset["z"].values, length)
-    angle, height = np.meshgrid(theta, z, indexing="ij")
-    points = [_flat(values) for values in (np.cos(angle), np.sin(angle), height)]
+    points = [_flat(values) for values in surface.points]
     collection = VtkGroup(str(target / title))
     for index, time in enumerate(dataset["time"].values):
         name = target / f"frame-{index:05d}"
         data: dict[str, Any] = {}
         for field in ("P", "u"):
-            vector = _closed(np.asarray(dataset[field].isel(time=index).values, dtype=np.float64))
-            around = (-np.sin(angle) * vector[0], np.cos(angle) * vector[0], vector[1])
-            data[field] = tuple(_flat(component) for component in around)
-            data[f"{field}_theta"], data[f"{field}_z"] = _flat(vector[0]), _flat(vector[1])
+            vector = surface.whole(np.asarray(dataset[field].isel(time=index).values, dtype=np.float64))
+            in_space = vector[0] * surface.around + vector[1] * surface.along
+            data[field] = tuple(_flat(component) for component in in_space)
+            data[f"{field}_theta"], data[f"{field}_{surface.axis}"] = _flat(vector[0]), _flat(vector[1])
         written = gridToVTK(str(name), *points, pointData=data)
         collection.addFile(written, sim_time=float(time))
     collection.save()
+
+
+def _cylinder(dataset: xarray.Dataset) -> Surface:
+    """Return the wall of the cylinder. Raises `InputError` for a part of it."""
+    length = float(dataset.attrs["length"])
+    for name, period in (("theta", 2 * np.pi), ("z", length)):
+        covered(name, dataset[name].values, period, "the dataset")
+    theta = np.append(dataset["theta"].values, 2 * np.pi)
+    angle, height = np.meshgrid(theta, np.append(dataset["z"].values, length), indexing="ij")
+    cos, sin, none = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+    around, along = np.stack([-sin, cos, none]), np.stack([none, none, none + 1.0])
+    return Surface(np.stack([cos, sin, height]), around, along, "z", _closed)
 
 
 def _closed(field: Array) -> Array:

@@ -38,17 +38,45 @@ def map_of(P: npt.NDArray[np.float64], length: float) -> str:
 
     `P` is (2, n_theta, n_z); `length` the axial period. Dimensionless.
     """
+    words = "P_z on the unwrapped surface, the angle across and the axis up"
+    return _image(_coloured(P[1].T[::-1]), 2 * np.pi / length, words)
+
+
+def closed_map_of(P: npt.NDArray[np.float64], s: npt.NDArray[np.float64], r: npt.NDArray[np.float64]) -> str:
+    """Return an image of P_s on an equal-area map of a closed surface: r (theta - π) across and s up.
+
+    `P` is (2, n_theta, n_s), at arc lengths `s` (n_s,) from the south pole with radii `r` (n_s,).
+    """
+    length, half = float(s[0] + s[-1]), np.pi * float(r.max())
+    rows, columns = 2 * HEIGHT, max(8, round(4 * HEIGHT * half / length))
+    up = (rows - 0.5 - np.arange(rows)) * length / rows
+    radius = np.interp(up, [0.0, *s, length], [0.0, *r, 0.0])[:, None]
+    angle = np.pi + ((np.arange(columns) + 0.5) * 2 / columns - 1) * half / np.maximum(radius, 1e-9)
+    inside = np.abs(angle - np.pi) <= np.pi
+    theta = 2 * np.pi * np.arange(P.shape[1]) / P.shape[1]
+    nearest = np.abs(up[:, None] - s).argmin(axis=1)
+    shown = [np.interp(at, theta, P[1, :, k], period=2 * np.pi) for at, k in zip(angle, nearest, strict=True)]
+    opacity = np.where(inside, 255.0, 0.0)[:, :, None]
+    pixels = np.concatenate([_coloured(np.array(shown)), opacity], axis=2)
+    return _image(pixels, 2 * half / length, "P_s on an equal-area map, the angle across and the axis up")
+
+
+def _coloured(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the colours (..., 3), 0 to 255, of polarities (...)."""
+    at, colours = zip(*diverging(GREEN, PURPLE), strict=True)
+    rgb = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in colours])
+    shown = np.clip(values, -1.0, 1.0)
+    return np.stack([np.interp(shown, at, rgb[:, k]) for k in range(3)], axis=-1)
+
+
+def _image(pixels: npt.NDArray[np.float64], aspect: float, words: str) -> str:
+    """Return an image of pixels (rows, columns, 3 or 4), 0 to 255, as wide as `aspect` times its height."""
     from PIL import Image
 
-    values, colours = zip(*diverging(GREEN, PURPLE), strict=True)
-    rgb = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in colours])
-    shown = np.clip(P[1].T[::-1], -1.0, 1.0)
-    pixels = np.stack([np.interp(shown, values, rgb[:, k]) for k in range(3)], axis=-1)
     file = BytesIO()
     Image.fromarray(pixels.astype(np.uint8)).save(file, "png")
     data = base64.b64encode(file.getvalue()).decode()
-    width = min(3 * HEIGHT, max(12, round(HEIGHT * 2 * np.pi / length)))
-    words = "P_z on the unwrapped surface, the angle across and the axis up"
+    width = min(3 * HEIGHT, max(12, round(HEIGHT * aspect)))
     return f'<img alt="{words}" width="{width}" height="{HEIGHT}" src="data:image/png;base64,{data}">'
 
 

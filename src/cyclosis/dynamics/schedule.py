@@ -138,7 +138,7 @@ def _mask(step: Step, grid: Any) -> Mask | None:
         return None
     mask: Mask = region.mask(grid)
     if not mask.any():
-        rule = f"a region with at least one point of the grid of {grid.n_theta} x {grid.n_z}"
+        rule = f"a region with at least one point of the grid of {grid.shape[0]} x {grid.shape[1]}"
         raise InputError(
             f"where of {step.action} at t = {step.at:g}", str(region), rule, "enlarge it, or refine the grid"
         )

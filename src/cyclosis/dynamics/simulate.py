@@ -15,7 +15,7 @@ from ..model.errors import InputError
 from ..model.instants import instant
 from ..model.precision import double
 from ..model.wording import beside
-from ..models import polar
+from ..models import of_grid
 from .course import Course
 from .protocol import Protocol, Step
 from .run import Run, Snapshot
@@ -34,7 +34,7 @@ def simulate(
     t_end: float = 200.0,
     save_every: float = 1.0,
     *,
-    model: Model = polar,
+    model: Model | None = None,
     protocol: Protocol | Iterable[Step] | None = None,
     terms: Iterable[TermLike] | None = None,
     progress: Callable[[Snapshot], None] | None = None,
@@ -44,6 +44,8 @@ def simulate(
     **settings: Any,
 ) -> Trajectory:
     """Integrate the equation of a model from `state` at t = 0 to `t_end`: by default the filament equation.
+
+    Without a `model` it is that of the grid: `cyclosis.models.polar`, or `closed` for a `ClosedGrid`.
 
     state: P of shape (2, n_theta, n_z), |P| <= 1; its Nyquist modes are dropped. All times are
     dimensionless (R/U) and rounded to 12 significant digits, so that times that mean the same are equal.
@@ -96,6 +98,7 @@ def simulate(
         interrupted completed
     """
     how = Settings(t_end=t_end, save_every=save_every, **_known(settings))
+    model = of_grid(grid) if model is None else model
     P = model.check_state(grid, state, "the initial state")
     course = _course(model, params, grid, terms, how, _protocol(protocol), P.shape)
     largest = model.largest(P)

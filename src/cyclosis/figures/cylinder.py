@@ -25,18 +25,19 @@ _DARKEST = 0.58
 
 
 def project(
-    theta: npt.ArrayLike, z: npt.ArrayLike, view_angle: float, tilt: float
+    theta: npt.ArrayLike, z: npt.ArrayLike, view_angle: float, tilt: float, r: npt.ArrayLike = 1.0
 ) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
     """Return where points of the surface appear: picture coordinates x, y, and whether they are visible.
 
     Orthographic; the axis is vertical, the meridian theta = `view_angle` faces the viewer, theta grows to
     the right, and the viewer looks down by `tilt` radians. Lengths are in radii; y = 0 is the middle of
-    the lower end. Points beyond the silhouette, on the far half of the surface, are hidden.
+    the lower end. Points beyond the silhouette, on the far half of the surface, are hidden. `r` is the
+    distance from the axis.
     """
     angle = np.asarray(theta, dtype=np.float64) - view_angle
-    facing = np.cos(angle)
-    y = np.asarray(z, dtype=np.float64) * np.cos(tilt) - facing * np.sin(tilt)
-    return np.sin(angle), y, facing > 0
+    facing, radius = np.cos(angle), np.asarray(r, dtype=np.float64)
+    y = np.asarray(z, dtype=np.float64) * np.cos(tilt) - radius * facing * np.sin(tilt)
+    return radius * np.sin(angle), y, facing > 0
 
 
 def checked_tilt(tilt: float) -> float:

@@ -1,4 +1,4 @@
-"""How cyclosis emerges from disorder: cylinders in time, and maps of some of them (the paper's Figure 4)."""
+"""How cyclosis emerges from disorder: cells in time, and maps of some of them (the paper's Figure 4)."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import matplotlib
-import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
 
 from ..model.doors import door
 from ..model.errors import InputError, number
 from . import cylinder
-from .frames import facing_zone, frame, grid_of, in_memory, indices_at, peak_speed, story
-from .style import QUIET, TYPE, WIDTH, blank, colour_key, place
-from .unwrapped import draw_map
+from .frames import frame, in_memory, indices_at, peak_speed, story
+from .portraits import Look
+from .style import QUIET, TYPE, WIDTH, blank, place
+from .subjects import Subject, subject_of
 
 CYLINDERS = 6
 """Number of cylinders where no times are given."""
@@ -32,16 +32,18 @@ def emergence(
     times: Sequence[float] | None = None,
     map_times: Sequence[float] | None = None,
     view_angle: float | None = None,
-    tilt: float = cylinder.TILT,
+    tilt: float | None = None,
     width: float = WIDTH,
 ) -> Figure:
-    """Return the figure of a run: a row of cylinders over time, and unwrapped maps of some of them.
+    """Return the figure of a run: a row of cells over time, and unwrapped maps of some of them.
 
-    `dataset` is a run's `xarray.Dataset` with P and u. `times` of the cylinders (2 to 8): the saved
-    frames nearest to them are drawn and labelled with their actual times; by default six that show how the
-    state developed. `map_times` are those of them to unwrap, at most half as many; by default every second.
-    `view_angle` (radians) is the angle that faces the viewer, by default one that shows an indifferent
-    zone of the last frame; `tilt` (radians) is how far the viewer looks down; `width` is in millimetres.
+    `dataset` is a run's `xarray.Dataset` with P and u. Closed cells have their true shape, the defects of P
+    marked by their index, and equal-area maps (see `cyclosis.figures.closed_map`). `times` of the cells (2 to
+    8): the saved frames nearest to them are drawn and labelled with their actual times; by default six that
+    show how the state developed. `map_times` are those of them to unwrap, at most half as many; by default
+    every second. `view_angle` (radians) is the angle that faces the viewer, by default one that shows an
+    indifferent zone of the last frame; `tilt` (radians) is how far the viewer looks down, by default 0.2, and
+    0.6 on a closed cell, to show its end; `width` is in millimetres.
     Colours, lines and strengths mean the same in all frames. Raises `InputError` for times outside the
     dataset, too few frames, or a dataset without fields.
 
@@ -54,18 +56,18 @@ def emergence(
         >>> style.save(emergence(run.to_dataset(), times=[0, 2], map_times=[2]), "emergence.png").name
         'emergence.png'
     """
-    grid = grid_of(dataset)
+    subject = subject_of(dataset)
     dataset = in_memory(dataset)
-    tilt = cylinder.checked_tilt(tilt)
+    tilt = cylinder.checked_tilt(subject.portrait.tilt if tilt is None else tilt)
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     shown = story(dataset, CYLINDERS) if times is None else indices_at(dataset, times)
     if not 2 <= len(shown) <= 8:
         raise InputError("the number of times", len(shown), "from 2 to 8", "choose more or fewer times")
     unwrapped = _unwrapped(dataset, shown, map_times)
     if view_angle is None:
-        view_angle = facing_zone(frame(dataset, shown[-1])[0])
+        view_angle = subject.facing(frame(dataset, shown[-1])[0])
     with matplotlib.rc_context(TYPE):
-        layout = _Layout(dataset, shown, unwrapped, width, cylinder.extent(grid.length, tilt))
+        layout = _Layout(dataset, subject, shown, unwrapped, width, subject.portrait.extent(tilt))
         return layout.drawn(view_angle, tilt)
 
 
@@ -95,20 +97,23 @@ class _Layout:
     def __init__(
         self,
         dataset: Any,
+        subject: Subject,
         shown: list[int],
         unwrapped: list[int],
         width: float,
         box: tuple[float, float, float, float],
     ) -> None:
-        self.dataset, self.grid, self.shown, self.unwrapped = dataset, grid_of(dataset), shown, unwrapped
+        self.dataset, self.shown, self.unwrapped = dataset, shown, unwrapped
+        self.subject, self.portrait = subject, subject.portrait
         self.peak = peak_speed(dataset)
         self.column = (width - 2 * _MARGIN) / max(len(shown), 4)
         across, up = box[1] - box[0] + 0.06, box[3] - box[2] + 0.06
         scale = min(0.88 * self.column / across, _TALLEST / up)
         self.cylinder = (scale * across, scale * up)
         room = (width - 2 * _MARGIN - _KEY - _AXIS) / max(len(unwrapped), 2) - _GAP
-        scale = min(room / (2 * np.pi), _TALLEST / self.grid.length)
-        self.map = (scale * 2 * np.pi, scale * self.grid.length)
+        left, right, bottom, top = self.portrait.map_extent()
+        scale = min(room / (right - left), _TALLEST / (top - bottom))
+        self.map = (scale * (right - left), scale * (top - bottom))
         self.floor = _AXIS + self.map[1] + _LINKS
         self.left = 0.5 * (width - self.column * len(shown))
         self.width = width
@@ -116,33 +121,34 @@ class _Layout:
 
     def drawn(self, view_angle: float, tilt: float) -> Figure:
         """Draw everything and return the figure."""
-        cells = {}
+        cells, looks = {}, {}
         for k, index in enumerate(self.shown):
             left = self.left + (k + 0.5) * self.column - 0.5 * self.cylinder[0]
             ax = cells[index] = place(self.figure, left, self.floor, *self.cylinder)
-            P, u = frame(self.dataset, index)
-            cylinder.draw(ax, self.grid, P, u, view_angle=view_angle, tilt=tilt, peak_speed=self.peak)
+            look = looks[index] = self.subject.look(*frame(self.dataset, index))
+            self.portrait.solid(ax, look, view_angle=view_angle, tilt=tilt, peak_speed=self.peak)
             ax.set_title(f"$t$ = {_time(self.dataset, index)}", pad=4.0, fontsize=TYPE["font.size"])
         for k, index in enumerate(self.unwrapped):
-            self._map(k, index, cells[index])
-        colour_key(place(self.figure, self.width - _MARGIN - _KEY + 4.0, _AXIS, 3.2, self.map[1]))
+            self._map(k, looks[index], cells[index])
+        self.portrait.key(place(self.figure, self.width - _MARGIN - _KEY + 4.0, _AXIS, 3.2, self.map[1]))
         return self.figure
 
-    def _map(self, k: int, index: int, cell: Any) -> None:
+    def _map(self, k: int, look: Look, cell: Any) -> None:
         slot = (self.width - 2 * _MARGIN - _AXIS - _KEY) / len(self.unwrapped)
         left = _MARGIN + _AXIS + (k + 0.5) * slot - 0.5 * (self.map[0] + _GAP)
         ax = place(self.figure, left, _AXIS, *self.map)
-        draw_map(ax, self.grid, *frame(self.dataset, index), peak_speed=self.peak)
-        ax.set_xlabel("$θ$", labelpad=-6.0)
+        self.portrait.flat(ax, look, peak_speed=self.peak)
+        self.portrait.edges(ax)
+        ax.set_xlabel(self.portrait.across, labelpad=-6.0)
         if k == 0:
-            ax.set_ylabel("$z$", rotation=0, labelpad=-1.0, va="center")
+            ax.set_ylabel(self.portrait.along, rotation=0, labelpad=-1.0, va="center")
         else:
             ax.set_yticklabels([])
-        # Lines of unrolling, from the lower rim of the cylinder to the upper edge of its map.
-        for x, edge in ((-1.0, 0.0), (1.0, 1.0)):
+        # Lines of unrolling, from the lower end of the cell to the upper edge of its map.
+        for below, above in self.portrait.links():
             link = ConnectionPatch(
-                (x, 0.0),
-                (edge, 1.0),
+                below,
+                above,
                 "data",
                 "axes fraction",
                 axesA=cell,

@@ -21,16 +21,18 @@ SETTLED = 0.995
 IN_MEMORY = 2**28
 """Runs whose P takes no more bytes than this are read at once, which is faster than frame by frame."""
 _DIMS = ("time", "component", "theta", "z")
+_CLOSED = ("time", "component", "theta", "s")
 
 
 def grid_of(dataset: Any) -> CylinderGrid:
     """Return the grid of a run's dataset.
 
-    Raises `InputError` if it is not the dataset of a run, has no fields, or holds only a part of the cell, as
-    a selection does.
+    Raises `InputError` if it is not the dataset of a run, has no fields, is that of a closed cell, or holds
+    only a part of the cell, as a selection does.
     """
-    if not isinstance(dataset, xarray.Dataset):
-        raise InputError("dataset", type(dataset).__name__, "an xarray.Dataset", "use the dataset of a run")
+    if is_closed(dataset):
+        rule = "the periodic cylinder, for which alone this is defined"
+        raise InputError("the surface of the run", "a closed cell", rule, "use a run of another model")
     for name in ("P", "u"):
         if name not in dataset or dataset[name].dims != _DIMS or "time" not in dataset.coords:
             found, rule = list(dataset.data_vars), "P and u over (time, component, theta, z), and others"
@@ -42,13 +44,23 @@ def grid_of(dataset: Any) -> CylinderGrid:
     return CylinderGrid(dataset.sizes["theta"], dataset.sizes["z"], length)
 
 
+def is_closed(dataset: Any) -> bool:
+    """Return whether a dataset is that of a run on a closed surface, with P and u over theta and s.
+
+    Raises `InputError` for anything that is not a dataset.
+    """
+    if not isinstance(dataset, xarray.Dataset):
+        raise InputError("dataset", type(dataset).__name__, "an xarray.Dataset", "use the dataset of a run")
+    return all(name in dataset and dataset[name].dims == _CLOSED for name in ("P", "u"))
+
+
 def in_memory(dataset: xarray.Dataset) -> xarray.Dataset:
     """Return a run's dataset, loaded into memory if it is small."""
     return dataset.compute() if dataset["P"].nbytes <= IN_MEMORY else dataset
 
 
 def frame(dataset: xarray.Dataset, index: int) -> tuple[Array, Array]:
-    """Return P and u of one frame, both (2, n_theta, n_z), dimensionless."""
+    """Return P and u of one frame, both (2, n_theta, n_z) or (2, n_theta, n_s), dimensionless."""
     now = dataset.isel(time=index)
     return np.asarray(now["P"].values, dtype=np.float64), np.asarray(now["u"].values, dtype=np.float64)
 
@@ -86,11 +98,26 @@ def indices_at(dataset: xarray.Dataset, times: npt.ArrayLike, name: str = "times
 def travelled(dataset: xarray.Dataset) -> Array:
     """Return the distance (time,) that P has travelled by each frame: the sum of <|P(t + dt) - P(t)|²>^½."""
     way, before = [0.0], dataset["P"].isel(time=0).values
+    weights = area_shares(dataset)
     for index in range(1, dataset.sizes["time"]):
         now = dataset["P"].isel(time=index).values
-        way.append(way[-1] + float(np.sqrt(np.mean(np.sum((now - before) ** 2, axis=0)))))
+        way.append(way[-1] + mean_square(now - before, weights))
         before = now
     return np.array(way)
+
+
+def mean_square(field: Array, weights: Array | None = None) -> float:
+    """Return <|v|²>^½ of a vector field (2, ...), by shares (...) of the area if points differ in it."""
+    square = np.sum(field**2, axis=0)
+    return float(np.sqrt(np.mean(square) if weights is None else np.sum(weights * square)))
+
+
+def area_shares(dataset: xarray.Dataset) -> Array | None:
+    """Return the shares of the points in the area, or None where all are the same."""
+    if "area_weight" not in dataset:
+        return None
+    area = np.asarray(dataset["area_weight"].values, dtype=np.float64)
+    return np.asarray(area / area.sum())
 
 
 def story(dataset: xarray.Dataset, count: int) -> list[int]:
@@ -119,7 +146,11 @@ def facing_zone(P: npt.ArrayLike, beside: float = 0.25) -> float:
     The zone appears `beside` radians left of the middle, with the upward stream on its right. Without a zone
     along the cell the most strongly ordered meridian faces the viewer.
     """
-    profile = resolved(np.asarray(P, dtype=np.float64)[1]).mean(axis=1)
+    return facing(resolved(np.asarray(P, dtype=np.float64)[1]).mean(axis=1), beside)
+
+
+def facing(profile: Array, beside: float = 0.25) -> float:
+    """Return the viewing angle that shows a zone of a profile (n_theta,) of P_z, as `facing_zone` does."""
     angles = zone_angles(profile)
     theta = 2 * np.pi * np.arange(profile.size) / profile.size
     if angles.size == 0:

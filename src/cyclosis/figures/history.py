@@ -14,7 +14,7 @@ from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
 from .clock import time_axis
-from .frames import grid_of, in_memory
+from .frames import grid_of, in_memory, is_closed
 from .records import FONTS, draw_records, is_polar, panels
 from .style import DOWN, INK, LEGEND, QUIET, SHADE, UP, WIDTH, mathtext
 from .theory import draw_profiles
@@ -33,6 +33,16 @@ _NEEDED = (
     "zone_angle",
     "stripe_width",
 )
+_NEEDED_CLOSED = (
+    "order",
+    "mean_vector",
+    "peak_speed",
+    "rms_speed",
+    "circulation",
+    "power_input",
+    "viscous_dissipation",
+    "friction_dissipation",
+)
 
 
 @door
@@ -42,8 +52,10 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
     `dataset` is a run's `xarray.Dataset`. Time is on a square-root scale, because cyclosis forms early and
     settles late. The power input is a line over the two dissipations, stacked: it coincides with their
     sum. On the right points are the axial means of P_z and u_z of the last frame; if there are two stripes,
-    lines are the steady state of `cyclosis.stability`, and the largest difference is stated. Of a run of
-    another model than the polar one, every recorded quantity is drawn in a panel of its own.
+    lines are the steady state of `cyclosis.stability`, and the largest difference is stated. Of a closed cell
+    the numbers of defects take the place of the widths, and there is no theory (see
+    `cyclosis.figures.closed_history`). Of a run of another model, every recorded quantity is drawn in a panel
+    of its own.
     `width` is in millimetres; all quantities are dimensionless. Raises `InputError` for a dataset
     without fields or recorded quantities, or of a single time.
 
@@ -55,16 +67,22 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
         >>> history(run.to_dataset()).get_size_inches().round(1)
         array([7.1, 3.9])
     """
-    polar = not isinstance(dataset, xarray.Dataset) or is_polar(dataset)
+    closed = is_closed(dataset)
+    polar = not closed and is_polar(dataset)
     if polar:
         grid_of(dataset)
-    for name in _NEEDED if polar else ():
+    for name in _NEEDED_CLOSED if closed else _NEEDED if polar else ():
         if name not in dataset:
             rule = f"with the recorded quantity {name}, and others"
             raise InputError("the dataset's variables", list(dataset.data_vars), rule, "use a whole run")
     if dataset.sizes["time"] < 2:
         raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
     width = number("width", width, 120.0, 1000.0, "choose a width in millimetres")
+    if closed:
+        from .closed_history import draw_closed_history  # loads JAX, by way of `cyclosis.closed`
+
+        with matplotlib.rc_context(FONTS):
+            return draw_closed_history(in_memory(dataset), width, draw_speed, draw_power)
     if not polar:
         return draw_records(dataset, width)
     with matplotlib.rc_context(FONTS):
@@ -76,9 +94,9 @@ def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
     axes = [[panel(column, row) for row in (0, 1)] for column in (0, 1, 2)]
     (order, speed), (widths, power), profiles = axes
     _order(order, dataset)
-    _speed(speed, dataset)
+    draw_speed(speed, dataset)
     _widths(widths, dataset)
-    _power(power, dataset)
+    draw_power(power, dataset)
     draw_profiles((profiles[0], profiles[1]), dataset)
     for ax in (order, speed, widths, power):
         time_axis(ax, *(float(dataset["time"].values[k]) for k in (0, -1)))
@@ -89,6 +107,12 @@ def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
         lower.set_xlabel("$t$", labelpad=1.0)
     profiles[1].set_xlabel("$θ$", labelpad=1.0)
     return figure
+
+
+def _symbol(dataset: xarray.Dataset, name: str) -> str:
+    """Return the symbol of a recorded quantity: that of the dataset, if it says so."""
+    given = dataset[name].attrs.get("symbol")
+    return _SYMBOLS[name] if given is None else mathtext(given)
 
 
 def _series(dataset: xarray.Dataset, name: str) -> tuple[Array, Array]:
@@ -106,7 +130,8 @@ def _order(ax: Any, dataset: xarray.Dataset) -> None:
     ax.set(ylim=(0, 1.0), ylabel="order")
 
 
-def _speed(ax: Any, dataset: xarray.Dataset) -> None:
+def draw_speed(ax: Any, dataset: xarray.Dataset) -> None:
+    """Draw the largest and the root mean square speed over time."""
     for name, style in (("peak_speed", "-"), ("rms_speed", (0, (3, 1.5)))):
         ax.plot(*_series(dataset, name), color=INK, linewidth=1.1, linestyle=style, label=_SYMBOLS[name])
     ax.set_ylim(bottom=0)
@@ -130,18 +155,19 @@ def _widths(ax: Any, dataset: xarray.Dataset) -> None:
     ax.set_ylabel("stripe width / 2π")
 
 
-def _power(ax: Any, dataset: xarray.Dataset) -> None:
+def draw_power(ax: Any, dataset: xarray.Dataset) -> None:
+    """Draw the power input as a line over the two dissipations, stacked."""
     times, total = _series(dataset, "power_input")
     friction, viscous = (_series(dataset, f"{name}_dissipation")[1] for name in ("friction", "viscous"))
-    ax.plot(times, total, color=INK, linewidth=1.2, label=_SYMBOLS["power_input"])
+    ax.plot(times, total, color=INK, linewidth=1.2, label=_symbol(dataset, "power_input"))
     ax.fill_between(
         times,
         friction,
         friction + viscous,
         color=QUIET,
         linewidth=0,
-        label=_SYMBOLS["viscous_dissipation"],
+        label=_symbol(dataset, "viscous_dissipation"),
     )
-    ax.fill_between(times, friction, color=SHADE, linewidth=0, label=_SYMBOLS["friction_dissipation"])
+    ax.fill_between(times, friction, color=SHADE, linewidth=0, label=_symbol(dataset, "friction_dissipation"))
     ax.set_ylim(bottom=0)
     ax.set_ylabel("power")

@@ -1,4 +1,4 @@
-"""A run as a movie: the slowly turning cylinder and the unwrapped map, with the flow streaming over both."""
+"""A run as a movie: the slowly turning cell and the unwrapped map, with the flow streaming over both."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ import xarray
 
 from ..model.doors import door
 from ..model.errors import InputError, number, whole
-from ..model.grid import Array, CylinderGrid, interpolate
+from ..model.grid import Array
 from .clock import movie_times
 from .encode import Output
-from .frames import facing_zone, frame, grid_of, in_memory, peak_speed, travelled
+from .frames import area_shares, frame, in_memory, mean_square, peak_speed, travelled
 from .scene import Pixels, Scene, SceneLayout, Shot, draw_shot, open_stage
+from .subjects import Subject, subject_of
 from .tracers import Tracers
 
 PACE = 0.6
@@ -41,7 +42,7 @@ def movie(
     *,
     frames: int = 144,
     seconds: float = 12.0,
-    turns: float = 0.5,
+    turns: float | None = None,
     height: int = HEIGHT,
     progress: Callable[[int, int], object] | None = None,
     workers: int | None = None,
@@ -50,12 +51,13 @@ def movie(
 
     `dataset` is a run's `xarray.Dataset`. Frames are drawn once for all `paths`. `frames` are spread over
     `seconds` so that fast changes are shown slowly (see `cyclosis.figures.clock.movie_times`), from the
-    first to the last saved time; between saved times P and u are interpolated linearly. The cylinder
-    makes `turns` and ends with an indifferent zone in front. The lines stream at a pace set by the flow's
-    speed, but per second of the movie, not per unit of time. `height` is in pixels, a multiple of 18;
-    frames are 16:9, GIFs at most 324 pixels high. A GIF has a resolution of a hundredth of a second and shows
-    at most 50 frames per second: its frames differ in duration by one hundredth, and surplus frames are left
-    out, so that it lasts `seconds` too. `progress(done, total)` is called after every frame.
+    first to the last saved time; between saved times P and u are interpolated linearly. The cell makes
+    `turns`, by default half a turn and a closed one a whole turn, and ends with an indifferent zone in front.
+    The lines stream at a pace set by the flow's speed, but per second of the movie, not per unit of time.
+    `height` is in pixels, a multiple of 18; frames are 16:9, GIFs at most 324 pixels high. A GIF has a
+    resolution of a hundredth of a second and shows at most 50 frames per second: its frames differ in
+    duration by one hundredth, and surplus frames are left out, so that it lasts `seconds` too.
+    `progress(done, total)` is called after every frame.
     `workers` processes draw, by default one per core; in a script that is not guarded by
     `if __name__ == "__main__":` give 1. Raises `InputError` for bad arguments, fewer than 2 saved
     frames, and places that cannot be written to.
@@ -69,11 +71,12 @@ def movie(
         >>> [path.name for path in paths]
         ['cell.gif']
     """
-    grid = grid_of(dataset)
+    subject = subject_of(dataset, FINEST)
     if dataset.sizes["time"] < 2:
         raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
     frames = whole("frames", frames, 2, 100_000, "choose a number of frames")
     seconds = number("seconds", seconds, 0.1, 3600.0, "choose a duration")
+    turns = subject.turns if turns is None else turns
     turns = number("turns", turns, -100.0, 100.0, "choose a number of turns")
     height = whole("height", height, 90, 4320, "choose a number of pixels")
     if height % 18:
@@ -85,8 +88,9 @@ def movie(
     with ExitStack() as stack:
         outputs = [stack.enter_context(Output(path, frames, seconds)) for path in listed]
         dataset = in_memory(dataset)
-        shots = _shots(dataset, grid, frames, seconds, turns)
-        for done, pixels in enumerate(_drawn(_scene(dataset, grid, height), shots, processes), 1):
+        shots = _shots(dataset, subject, frames, seconds, turns)
+        scene = Scene(subject.surface, *_order(dataset), height)
+        for done, pixels in enumerate(_drawn(scene, shots, processes), 1):
             for output in outputs:
                 output.add(pixels)
             if progress is not None:
@@ -110,42 +114,33 @@ def _unguarded(processes: int) -> InputError:
     return InputError("workers", processes, rule, "give 1, or guard the script")
 
 
-def _light(grid: CylinderGrid) -> CylinderGrid:
-    """Return a grid that is fine enough for pictures, and no finer than the one given."""
-    return grid.resized(min(grid.n_theta, FINEST), min(grid.n_z, FINEST))
-
-
-def _scene(dataset: xarray.Dataset, grid: CylinderGrid, height: int) -> Scene:
-    times, order = _order(dataset)
-    return Scene(_light(grid), times, order, height)
-
-
 def _order(dataset: xarray.Dataset) -> tuple[Array, Array]:
     """Return the order over time, from the first to the last saved time."""
     if "order" in dataset:
         values = dataset["order"]
         return values[values.dims[0]].values, values.values
     states = (frame(dataset, index)[0] for index in range(dataset.sizes["time"]))
-    order = [np.sqrt(np.mean(np.sum(P**2, axis=0))) for P in states]
+    order = [mean_square(P, area_shares(dataset)) for P in states]
     return dataset["time"].values, np.array(order)
 
 
 def _shots(
-    dataset: xarray.Dataset, grid: CylinderGrid, count: int, seconds: float, turns: float
+    dataset: xarray.Dataset, subject: Subject, count: int, seconds: float, turns: float
 ) -> Iterator[Shot]:
     """Yield what the frames show, in order."""
-    saved, light = dataset["time"].values, _light(grid)
+    saved = dataset["time"].values
     recorded, order = _order(dataset)
     peak = peak_speed(dataset)
-    tracers = Tracers(light, FADE * count / seconds)
-    last = facing_zone(frame(dataset, -1)[0])
+    tracers = Tracers(subject.portrait.wall, FADE * count / seconds)
+    last = subject.facing(frame(dataset, -1)[0])
     views = last - 2 * np.pi * turns * np.linspace(1.0, 0.0, count)
     fields = _Between(dataset)
     times = movie_times(saved, travelled(dataset), count)
     for view, time in zip(views.tolist(), times.tolist(), strict=True):
-        P, u = (interpolate(field, light.shape) for field in fields.at(time))
-        ribbons = tracers.advance(u, peak, PACE * seconds / count)
-        yield Shot(P, u, ribbons, view, time, float(np.interp(time, recorded, order)))
+        look = subject.look(*fields.at(time))
+        ribbons = tracers.advance(look.u, peak, PACE * seconds / count)
+        now = float(np.interp(time, recorded, order))
+        yield Shot(look.P, look.u, ribbons, view, time, now, look.marks)
 
 
 class _Between:
@@ -157,7 +152,7 @@ class _Between:
         self.pair: list[tuple[Array, Array]] = []
 
     def at(self, time: float) -> tuple[Array, Array]:
-        """Return P and u, both (2, n_theta, n_z), at a time."""
+        """Return P and u, both (2, ...), at a time."""
         before = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, self.times.size - 2))
         if before != self.before:
             self.before, self.pair = before, [frame(self.dataset, before), frame(self.dataset, before + 1)]

@@ -6,7 +6,7 @@ A polygon follows the surface, so that a line narrows towards the silhouette of 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -58,13 +58,13 @@ def zone_ribbons(grid: CylinderGrid, P: npt.ArrayLike, window: Window, scale: fl
     for zone in indifferent_zones(fine, interpolate(state, fine.shape)):
         place = np.stack([zone.theta * grid.n_theta / (2 * np.pi), zone.z * grid.n_z / grid.length])
         plain = weight(map_coordinates(around, place, order=1, mode="grid-wrap"))
-        for run in _runs(plain > 0):
+        for run in runs(plain > 0):
             width = scale * ZONE_WIDTH * plain[run]
             polygons += list(_copies(ribbon(zone.theta[run], zone.z[run], width), window, grid.length))
     return polygons
 
 
-def _runs(chosen: npt.NDArray[np.bool_]) -> Iterator[slice]:
+def runs(chosen: npt.NDArray[np.bool_]) -> Iterator[slice]:
     """Yield the stretches of at least two consecutive points that are chosen."""
     edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
@@ -95,9 +95,14 @@ def stream_ribbon(line: Streamline, peak_speed: float, scale: float = 1.0, shown
     The strength is the root of the line's mean speed over `peak_speed`, times `shown`, and also a factor
     of the width; `scale` is another.
     """
-    strength = shown * float(np.sqrt(min(1.0, line.speed.mean() / peak_speed)))
-    width = scale * STREAM_WIDTH * strength * np.linspace(THIN_END, 1.0, line.theta.size)
+    width, strength = tapered(line.speed, peak_speed, scale, shown)
     return ribbon(line.theta, line.z, width), strength
+
+
+def tapered(speed: Array, peak_speed: float, scale: float = 1.0, shown: float = 1.0) -> tuple[Array, float]:
+    """Return the widths (n,) of a streamline with speeds (n,), and its strength, as for `stream_ribbon`."""
+    strength = shown * float(np.sqrt(min(1.0, speed.mean() / peak_speed)))
+    return scale * STREAM_WIDTH * strength * np.linspace(THIN_END, 1.0, speed.size), strength
 
 
 def placed(ribbons: Iterable[Ribbon], window: Window, length: float) -> tuple[list[Array], Array]:
@@ -145,11 +150,19 @@ def _shifts(low: float, high: float, period: float, window: Window) -> Iterator[
 
 def ribbon(theta: Array, z: Array, width: Array) -> Array:
     """Return the outline (n, 2) of a line (theta, z) of given widths (all (m,)), with round ends."""
-    middle, half = np.stack([theta, z]), 0.5 * width
+    return outline(np.stack([theta, z]), width, lambda along: np.stack([-along[1], along[0]]))
+
+
+def outline(middle: Array, width: Array, across: Callable[[Array], Array]) -> Array:
+    """Return the outline (n, d) of a line (d, m) of given widths (m,), with round ends.
+
+    `across` gives the unit vectors to the left of the line's directions (d, m).
+    """
+    half = 0.5 * width
     steps = np.diff(middle)
     along = np.concatenate([steps[:, :1], steps[:, 1:] + steps[:, :-1], steps[:, -1:]], axis=1)
-    along /= np.maximum(np.hypot(*along), 1e-300)
-    normal = np.stack([-along[1], along[0]])
+    along /= np.maximum(np.hypot.reduce(along), 1e-300)
+    normal = across(along)
 
     def cap(end: int, sense: float) -> Array:
         out, side = sense * along[:, [end]], sense * normal[:, [end]]

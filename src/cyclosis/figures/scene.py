@@ -1,4 +1,4 @@
-"""The frames of a movie: the cylinder next to the unwrapped map, the clock, and the order so far.
+"""The frames of a movie: the cell next to the unwrapped map, the clock, and the order so far.
 
 Frames are drawn in worker processes, which import only this module: nothing here may load JAX.
 """
@@ -15,11 +15,12 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from ..model.grid import Array, CylinderGrid
-from . import cylinder
 from .clock import time_axis
+from .marks import Mark
+from .portraits import Look, portrait
 from .ribbons import Ribbon
-from .style import INK, QUIET, TYPE, blank, colour_key, place
-from .unwrapped import mark_edges, paint_map
+from .skin import Skin
+from .style import INK, QUIET, TYPE, blank, place
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -42,7 +43,7 @@ class Shot:
     """The contents of one frame, dimensionless.
 
     The state `P` and flow `u` (2, n_theta, n_z), streamlines as ribbons, the angle (radians) that faces
-    the viewer, the time, and the order then.
+    the viewer, the time, the order then, and the defects to mark.
     """
 
     P: Array
@@ -51,13 +52,14 @@ class Shot:
     view_angle: float
     time: float
     order: float
+    marks: Sequence[Mark] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What all frames have in common: the grid, order (n,) over times (n,), and the height in pixels."""
+    """What all frames have in common: the surface, order (n,) over times (n,), and the height in pixels."""
 
-    grid: CylinderGrid
+    grid: CylinderGrid | Skin
     times: Array
     order: Array
     height: int
@@ -67,7 +69,7 @@ class SceneLayout:
     """A scene prepared for drawing: the fixed parts are drawn once, and each frame adds the rest."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+        self.scene, self.portrait = scene, portrait(scene.grid)
         with matplotlib.rc_context(_TYPE):
             self.figure = blank(_WIDTH, _HEIGHT)
             # A little more than requested, because matplotlib rounds sizes down.
@@ -92,19 +94,14 @@ class SceneLayout:
 
     def _set(self, shot: Shot) -> None:
         """Replace the parts that change from frame to frame."""
-        grid, times, order = self.scene.grid, self.scene.times, self.scene.order
+        times, order = self.scene.times, self.scene.order
+        look = Look(shot.P, shot.u, shot.marks)
         for artist in [*_contents(self.solid), *_contents(self.flat)]:
             artist.remove()
-        cylinder.draw(
-            self.solid,
-            grid,
-            shot.P,
-            shot.u,
-            view_angle=shot.view_angle,
-            ribbons=shot.ribbons,
-            pixels=self.pixels,
+        self.portrait.solid(
+            self.solid, look, view_angle=shot.view_angle, ribbons=shot.ribbons, pixels=self.pixels
         )
-        paint_map(self.flat, grid, shot.P, shot.u, ribbons=shot.ribbons, scale=1.0)
+        self.portrait.flat(self.flat, look, ribbons=shot.ribbons, scale=1.0)
         past = times < shot.time
         self.past.set_data(np.append(times[past], shot.time), np.append(order[past], shot.order))
         self.now.set_data([shot.time], [shot.order])
@@ -112,28 +109,29 @@ class SceneLayout:
         self.reading.set_text(f"order {shot.order:.2f}")
 
     def _cell(self) -> None:
-        """Place cylinder, map, the readings above them, and the key, on one scale."""
-        grid, type_size = self.scene.grid, 11.0
-        left, right, bottom, top = cylinder.extent(grid.length)
-        across, up, around = right - left, top - bottom, 2 * np.pi
+        """Place cell, map, the readings above them, and the key, on one scale."""
+        cell, type_size = self.portrait, 11.0
+        left, right, bottom, top = cell.extent(cell.tilt)
+        box = cell.map_extent()
+        across, up, around, along = right - left, top - bottom, box[1] - box[0], box[3] - box[2]
         room, breadth = _HEIGHT - _FLOOR - _CEILING, _WIDTH - 2 * _SIDE - _APART - _KEY_ROOM
-        scale = min(room / up, breadth / (across + around))
+        scale = min(room / max(up, along), breadth / (across + around))
         self.pixels = max(8, round(scale * across * self.scene.height / _HEIGHT))
         start = 0.5 * (_WIDTH - scale * (across + around) - _APART - _KEY_ROOM)
         floor = _FLOOR + 0.5 * (room - scale * up)
-        above = (floor + scale * up + 2.0) / _HEIGHT
+        above = (_FLOOR + 0.5 * room + 0.5 * scale * max(up, along) + 2.0) / _HEIGHT
         self.solid = place(self.figure, start, floor, scale * across, scale * up)
         self.solid.set_axis_off()
         self.clock = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
-        start, floor = start + scale * across + _APART, floor + 0.5 * scale * (up - grid.length)
-        self.flat = place(self.figure, start, floor, scale * around, scale * grid.length)
-        self.flat.set(xlim=(0, around), ylim=(0, grid.length))
-        mark_edges(self.flat, grid)
-        self.flat.set_xlabel("$θ$", labelpad=-7.0)
-        self.flat.set_ylabel("$z$", rotation=0, labelpad=-1.0, va="center")
+        start, floor = start + scale * across + _APART, floor + 0.5 * scale * (up - along)
+        self.flat = place(self.figure, start, floor, scale * around, scale * along)
+        self.flat.set(xlim=box[:2], ylim=box[2:])
+        cell.edges(self.flat)
+        self.flat.set_xlabel(cell.across, labelpad=-7.0)
+        self.flat.set_ylabel(cell.along, rotation=0, labelpad=-1.0, va="center")
         self.reading = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
         start += scale * around + _KEY_ROOM - 8.0
-        colour_key(place(self.figure, start, floor, _KEY, scale * grid.length))
+        cell.key(place(self.figure, start, floor, _KEY, scale * along))
 
     def _trace(self) -> None:
         """Draw the order of the whole run in grey; its past is drawn over it in ink."""

@@ -1,9 +1,10 @@
-"""Streamlines of a flow on the periodic surface: evenly spread short lines, each directed downstream."""
+"""Streamlines of a flow on a surface: evenly spread short lines, each directed downstream."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,81 @@ SHORTEST = 0.35
 """Lines shorter than this fraction of the requested length are not kept."""
 
 Velocity = Callable[[Array], Array]
+Line = tuple[Array, Array]
+"""Points (d, n) along a streamline, in the direction of the flow, and the speed (n,) there."""
+
+
+class Wall(Protocol):
+    """A surface on which lines are drawn, with points (d, ...): unrolled, d = 2, or in space, d = 3."""
+
+    @property
+    def period(self) -> Array:
+        """The periods (d,) of the coordinates, or lengths that hold the whole surface."""
+        ...
+
+    @property
+    def area(self) -> float:
+        """The area, in radii squared."""
+        ...
+
+    def velocity(self, flow: Array) -> Velocity:
+        """Return the function that interpolates a flow at points (d, ...)."""
+        ...
+
+    def places(self, fractions: Array) -> Array:
+        """Return the points (d, n) of fractions (2, n) in 0 to 1: equal areas are equally likely."""
+        ...
+
+    def onto(self, points: Array) -> Array:
+        """Return points (d, ...) on the surface that were moved along it, and a little off it."""
+        ...
+
+    def across(self, points: Array, along: Array) -> Array:
+        """Return the unit vectors (d, n) to the left of the directions `along` (d, n) at points (d, n)."""
+        ...
+
+    def headings(self, paths: Array) -> Array:
+        """Return the angle (steps, n) by which paths (d, steps + 1, n) have turned."""
+        ...
+
+
+@dataclass(frozen=True)
+class Unrolled:
+    """The wall of the cylinder: points are (theta, z)."""
+
+    grid: CylinderGrid
+
+    @property
+    def period(self) -> Array:
+        """(2π, length)."""
+        return np.array([2 * np.pi, self.grid.length])
+
+    @property
+    def area(self) -> float:
+        """2π times the length."""
+        return 2 * np.pi * self.grid.length
+
+    def velocity(self, flow: Array) -> Velocity:
+        """Return `velocity_of` the flow."""
+        return velocity_of(self.grid, flow)
+
+    def places(self, fractions: Array) -> Array:
+        """Return fractions of the two periods."""
+        return fractions * self.period[:, None]
+
+    def onto(self, points: Array) -> Array:
+        """Return the points: all are on the surface."""
+        return points
+
+    def across(self, points: Array, along: Array) -> Array:
+        """Return the vectors turned by a right angle."""
+        return np.stack([-along[1], along[0]])
+
+    def headings(self, paths: Array) -> Array:
+        """Return the angle to the direction of theta, since the first step."""
+        along = np.diff(paths, axis=1)
+        heading = np.unwrap(np.arctan2(along[1], along[0]), axis=0)
+        return heading - heading[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,23 +150,34 @@ def streamlines(
     separation = number("separation", separation, 0.02, 3.0, "choose a distance in radii")
     length = number("length", length, 2 * STEP, 100.0, "choose an arc length in radii")
     slowest = number("slowest", slowest, 0.0, 1e9, "choose a speed")
-    velocity = velocity_of(grid, flow)
-    seeds = even_points(grid, separation)
-    seeds = seeds[:, np.hypot(*velocity(seeds)) > slowest]
+    found = filled(Unrolled(grid), flow, separation, length, slowest)
+    return [Streamline(points[0], points[1], speed) for points, speed in found]
+
+
+def filled(wall: Wall, flow: Array, separation: float, length: float, slowest: float) -> list[Line]:
+    """Return streamlines that fill a wall evenly, as `streamlines` describes them."""
+    velocity = wall.velocity(flow)
+    seeds = wall.places(even_fractions(wall.area, separation))
+    seeds = seeds[:, np.hypot.reduce(velocity(seeds)) > slowest]
     steps = max(1, round(0.5 * length / STEP))
     upstream, downstream = (traced(velocity, seeds, steps, step) for step in (-STEP, STEP))
-    points = np.concatenate([upstream[:, :0:-1], downstream], axis=1)
-    speed = np.hypot(*velocity(points))
-    return _spread(grid, points, speed, speed <= slowest, separation, length)
+    points = wall.onto(np.concatenate([upstream[:, :0:-1], downstream], axis=1))
+    speed = np.hypot.reduce(velocity(points))
+    return _spread(wall.period, points, speed, speed <= slowest, separation, length)
 
 
 @door
 def even_points(grid: CylinderGrid, separation: float) -> Array:
     """Return points (2, n) of a low-discrepancy sequence, about four per line that fits."""
-    count = max(64, int(4 * 2 * np.pi * grid.length / (ROOM * separation) ** 2))
+    wall = Unrolled(grid)
+    return wall.places(even_fractions(wall.area, separation))
+
+
+def even_fractions(area: float, separation: float) -> Array:
+    """Return points (2, n) of a low-discrepancy sequence in the unit square, for a surface of an area."""
+    count = max(64, int(4 * area / (ROOM * separation) ** 2))
     plastic = 1.324717957244746  # the real root of x³ = x + 1 gives the most even two-dimensional sequence
-    fractions = np.mod(0.5 + np.outer([1 / plastic, 1 / plastic**2], np.arange(count)), 1.0)
-    return fractions * np.array([[2 * np.pi], [grid.length]])
+    return np.mod(0.5 + np.outer([1 / plastic, 1 / plastic**2], np.arange(count)), 1.0)
 
 
 def _refined(n: int) -> int:
@@ -140,20 +227,20 @@ def traced(velocity: Velocity, starts: Array, steps: int, step: Array | float) -
 
 
 def _spread(
-    grid: CylinderGrid,
+    period: Array,
     points: Array,
     speed: Array,
     slow: npt.NDArray[np.bool_],
     separation: float,
     length: float,
-) -> list[Streamline]:
+) -> list[Line]:
     """Keep lines one by one, cut where they come too close to those kept before."""
-    near_line, near_seed = (Taken(grid, distance) for distance in (separation, ROOM * separation))
+    near_line, near_seed = (Taken(period, distance) for distance in (separation, ROOM * separation))
     cells, seed_cells = near_line.cells(points), near_seed.cells(points)
     middle = points.shape[1] // 2
     starts = seed_cells[middle].tolist()
     left = list(range(len(starts)))
-    lines: list[Streamline] = []
+    lines: list[Line] = []
     # Full lines first: short ones then only fill the gaps.
     for least in (0.95 * length, SHORTEST * length):
         # Occupied places stay occupied, so the second round need not try those seeds again.
@@ -171,16 +258,16 @@ def _spread(
             if (stop - start - 1) * STEP < least:
                 continue
             kept = slice(start, stop)
-            lines.append(Streamline(points[0, kept, k], points[1, kept, k], speed[kept, k]))
+            lines.append((points[:, kept, k], speed[kept, k]))
             near_line.add(cells[kept, k])
             near_seed.add(seed_cells[kept, k])
     return lines
 
 
 def _before_return(line: Array, separation: float) -> int:
-    """Return how many points (2, n) of a line come before it meets its own beginning."""
+    """Return how many points (d, n) of a line come before it meets its own beginning."""
     gap = int(np.ceil(1.5 * separation / STEP))
-    distance = np.hypot(*(line[:, :, None] - line[:, None, :]))
+    distance = np.hypot.reduce(line[:, :, None] - line[:, None, :])
     meets = np.flatnonzero(np.any(np.tril(distance < separation, -gap), axis=1))
     return int(meets[0]) if meets.size else line.shape[1]
 
@@ -188,25 +275,31 @@ def _before_return(line: Array, separation: float) -> int:
 class Taken:
     """The small cells of the surface that are within a distance of the lines kept so far."""
 
-    def __init__(self, grid: CylinderGrid, distance: float, fineness: int = 6) -> None:
-        self.period = np.array([2 * np.pi, grid.length])
+    def __init__(self, period: Array, distance: float, fineness: int = 6) -> None:
+        self.period = period
         self.shape = np.ceil(self.period / (distance / fineness)).astype(np.int64)
         size = self.period / self.shape
         self.taken = np.zeros(int(self.shape.prod()), dtype=bool)
         # The distance plus a cell's diagonal, because points may be anywhere in their cells.
-        reach = distance + float(np.hypot(*size))
+        reach = distance + float(np.hypot.reduce(size))
         most = np.minimum(np.ceil(reach / size).astype(np.int64), self.shape // 2)
-        i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in most), indexing="ij")
-        inside = np.hypot(i * size[0], j * size[1]) <= reach
-        self.disc = np.stack([i[inside], j[inside]])
+        steps = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in most), indexing="ij"))
+        inside = np.hypot.reduce([step * width for step, width in zip(steps, size, strict=True)]) <= reach
+        self.disc = steps[:, inside]
 
     def cells(self, points: Array) -> npt.NDArray[np.int64]:
-        """Return the numbers (...) of the cells in which points (2, ...) lie."""
-        i, j = (
-            np.mod(np.floor(x * (n / p)).astype(np.int64), n)
+        """Return the numbers (...) of the cells in which points (d, ...) lie."""
+        places = [
+            np.floor(x * (n / p)).astype(np.int64)
             for x, n, p in zip(points, self.shape, self.period, strict=True)
-        )
-        return np.asarray(i * self.shape[1] + j)
+        ]
+        return self._numbers(places)
+
+    def _numbers(self, places: list[npt.NDArray[np.int64]]) -> npt.NDArray[np.int64]:
+        number = np.mod(places[0], self.shape[0])
+        for place, n in zip(places[1:], self.shape[1:], strict=True):
+            number = number * n + np.mod(place, n)
+        return np.asarray(number)
 
     def clear(self) -> None:
         """Forget all lines."""
@@ -214,6 +307,5 @@ class Taken:
 
     def add(self, cells: npt.NDArray[np.int64]) -> None:
         """Mark everything near the points in `cells` (n,)."""
-        i, j = np.divmod(cells[:, None], self.shape[1])
-        n, m = self.shape
-        self.taken[np.mod(i + self.disc[0], n) * m + np.mod(j + self.disc[1], m)] = True
+        places = np.unravel_index(cells[:, None], tuple(self.shape))
+        self.taken[self._numbers([at + steps for at, steps in zip(places, self.disc, strict=True)])] = True

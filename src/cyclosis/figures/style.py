@@ -124,15 +124,17 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
     return figure.add_axes((left / across, bottom / up, width / across, height / up))
 
 
-def colour_key(ax: Any) -> None:
-    """Draw the colours of P_z into narrow upright axes, up-streaming on top."""
-    levels = np.linspace(-1.0, 1.0, 512)
-    ax.imshow(polarity_rgb(levels)[:, None, :], extent=(0, 1, -1, 1), origin="lower", aspect="auto")
-    ax.axhline(0.0, color=ZONE, linewidth=1.2)
+def colour_key(ax: Any, title: str = "$P_z$", signed: bool = True) -> None:
+    """Draw the colours of P_z into narrow upright axes, up-streaming on top; from 0 on if not `signed`."""
+    low = -1.0 if signed else 0.0
+    levels = np.linspace(low, 1.0, 512)
+    ax.imshow(polarity_rgb(levels)[:, None, :], extent=(0, 1, low, 1), origin="lower", aspect="auto")
+    if signed:
+        ax.axhline(0.0, color=ZONE, linewidth=1.2)
     ax.set_xticks([])
-    ax.set_yticks([-1, 0, 1], ["−1", "0", "1"])
+    ax.set_yticks([-1, 0, 1] if signed else [0, 1], ["−1", "0", "1"] if signed else ["0", "1"])
     ax.yaxis.tick_right()
-    ax.set_title("$P_z$", pad=5.0, fontsize=matplotlib.rcParams["font.size"])
+    ax.set_title(title, pad=5.0, fontsize=matplotlib.rcParams["font.size"])
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:

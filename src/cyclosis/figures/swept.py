@@ -243,7 +243,9 @@ def _codes(regime: xarray.DataArray) -> Codes:
     names = str(regime.attrs.get("flag_meanings", " ".join(REGIMES))).split()
     given = np.atleast_1d(regime.attrs.get("flag_values", np.arange(len(names))))
     if len(given) != len(names) or not set(names) <= set(REGIMES):
-        raise InputError("the regimes of the dataset", names, "among " + ", ".join(REGIMES), "use open_sweep")
+        raise InputError(
+            "the regimes of the dataset", names, "among " + ", ".join(REGIMES), "use a sweep on the cylinder"
+        )
     # Missing codes become NaN where a file was decoded.
     stored = np.nan_to_num(np.asarray(regime.values, dtype=np.float64), nan=-1.0).astype(np.int64)
     found = np.full(stored.shape, -1, dtype=np.int64)

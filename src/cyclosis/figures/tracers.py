@@ -7,12 +7,14 @@ fade out, new ones fade in where there is room, so that the surface stays evenly
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 
 from ..model.grid import Array, CylinderGrid
-from .ribbons import NEGLIGIBLE, Ribbon, stream_ribbon
-from .streamlines import STEP, Streamline, Taken, even_points, traced, velocity_of
+from .ribbons import NEGLIGIBLE, Ribbon, outline, tapered
+from .streamlines import STEP, Taken, Unrolled, Wall, even_fractions, traced
 
 SEPARATION = 0.11
 """Lines begin at least this far from others, in radii."""
@@ -33,47 +35,51 @@ CURL = 1.5 * np.pi
 class Tracers:
     """The lines of a movie; `advance` moves them by one frame.
 
-    `fade` is the number of frames in which a line appears or disappears.
+    They are drawn on a wall, which is that of the cylinder if a grid is given. `fade` is the number of frames
+    in which a line appears or disappears.
     """
 
-    def __init__(self, grid: CylinderGrid, fade: float) -> None:
-        self.grid = grid
+    def __init__(self, wall: CylinderGrid | Wall, fade: float) -> None:
+        self.wall: Wall = Unrolled(wall) if isinstance(wall, CylinderGrid) else wall
+        period = self.wall.period
         self.step = 1.0 / max(fade, 1.0)
-        self.heads = np.empty((2, 0))  # oldest first
+        self.heads = np.empty((period.size, 0))  # oldest first
         self.points = np.empty(0, dtype=np.int64)  # how many points long each line is
         self.shown = np.empty(0)  # 0 to 1: how far each line has faded in
         self.dying = np.empty(0, dtype=bool)
-        self.seeds = even_points(grid, SEPARATION)
+        self.seeds = self.wall.places(even_fractions(self.wall.area, SEPARATION))
         self.tried = 0
-        self.crowded, self.roomy = (Taken(grid, distance, 3) for distance in (CLOSEST, SEPARATION))
+        self.crowded, self.roomy = (Taken(period, distance, 3) for distance in (CLOSEST, SEPARATION))
 
     def advance(self, flow: Array, peak_speed: float, distance: float) -> list[Ribbon]:
         """Return the lines of the next frame as ribbons, with their strengths.
 
         `flow` (2, n_theta, n_z) moves the heads by `distance`, in radii, where its speed is `peak_speed`,
-        and by less where it is slower.
+        and by less where it is slower. On a closed surface it is (2, n_theta, n_s).
         """
         if peak_speed <= 0:
             return []
-        velocity = velocity_of(self.grid, flow)
-        speed = np.hypot(*velocity(self.heads))
-        moved = traced(velocity, self.heads, 1, distance * speed / peak_speed)[:, -1]
+        wall = self.wall
+        velocity = wall.velocity(flow)
+        speed = np.hypot.reduce(velocity(self.heads))
+        moved = wall.onto(traced(velocity, self.heads, 1, distance * speed / peak_speed)[:, -1])
         self.heads = np.concatenate([moved, self._candidates()], axis=1)
-        paths = traced(velocity, self.heads, round(LENGTH / STEP), -STEP)
-        speeds = np.hypot(*velocity(paths))
-        self._update(paths, _open(paths, speeds > NEGLIGIBLE * peak_speed))
+        paths = wall.onto(traced(velocity, self.heads, round(LENGTH / STEP), -STEP))
+        speeds = np.hypot.reduce(velocity(paths))
+        self._update(paths, _open(wall.headings(paths), speeds > NEGLIGIBLE * peak_speed))
         kept = np.flatnonzero((self.shown > 0) & (self.points > 1))
         self.heads, self.points = self.heads[:, kept], self.points[kept]
         self.shown, self.dying = self.shown[kept], self.dying[kept]
         ribbons = []
         for k, points, share in zip(kept, self.points.tolist(), self.shown.tolist(), strict=True):
-            theta, z = paths[:, points - 1 :: -1, k]
-            line = Streamline(theta, z, speeds[points - 1 :: -1, k])
-            ribbons.append(stream_ribbon(line, peak_speed, shown=share**2 * (3 - 2 * share)))
+            line = paths[:, points - 1 :: -1, k]
+            shown = share**2 * (3 - 2 * share)
+            width, strength = tapered(speeds[points - 1 :: -1, k], peak_speed, shown=shown)
+            ribbons.append((outline(line, width, partial(wall.across, line)), strength))
         return ribbons
 
     def _candidates(self) -> Array:
-        """Return the places (2, n) to try for new lines: all of them while there are no lines."""
+        """Return the places (d, n) to try for new lines: all of them while there are no lines."""
         total = self.seeds.shape[1]
         count = min(CANDIDATES, total) if self.shown.size else total
         chosen = (self.tried + np.arange(count)) % total
@@ -81,7 +87,7 @@ class Tracers:
         return self.seeds[:, chosen]
 
     def _update(self, paths: Array, free: npt.NDArray[np.int64]) -> None:
-        """Update all lines from their paths (2, points, n), which run upstream from the heads.
+        """Update all lines from their paths (d, points, n), which run upstream from the heads.
 
         The first are those of the present lines, the others of candidates; `free` (n,) is how many of
         their points the flow allows. Lines grow, shrink, fade and disappear smoothly.
@@ -121,9 +127,7 @@ def _first(blocked: npt.NDArray[np.bool_]) -> int:
     return int(np.argmax(blocked)) if blocked.any() else blocked.size
 
 
-def _open(paths: Array, fast: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
+def _open(headings: Array, fast: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     """Return how many points of each path (n,) come before it is too slow or curls up, as in a vortex."""
-    along = np.diff(paths, axis=1)
-    heading = np.unwrap(np.arctan2(along[1], along[0]), axis=0)
-    fast[1:] &= np.abs(heading - heading[0]) < CURL
+    fast[1:] &= np.abs(headings) < CURL
     return np.where(fast.all(axis=0), fast.shape[0], np.argmin(fast, axis=0))

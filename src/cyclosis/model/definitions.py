@@ -72,6 +72,59 @@ GRID = (
     Definition("length", "ℓ", "axial period in units of the radius", 5.0, "number", 1e-2, 1e4),
 )
 
+SURFACE = (
+    Definition(
+        "shape",
+        "-",
+        "shape of a closed cell (default: capsule, with length for its straight part)",
+        None,
+        "choice",
+        allowed=("capsule", "spheroid", "sphere"),
+        optional=True,
+    ),
+    Definition(
+        "smoothing",
+        "w",
+        "smoothing of the ends of a capsule, in radii (default: 0.4)",
+        None,
+        "number",
+        0.1,
+        1.0,
+        optional=True,
+    ),
+    Definition(
+        "aspect",
+        "c",
+        "half height of a spheroid over its equatorial radius (default: 2)",
+        None,
+        "number",
+        0.2,
+        20.0,
+        optional=True,
+    ),
+    Definition(
+        "k_max",
+        "k",
+        "largest wavenumber on a closed cell, in waves per radian of a unit sphere (default: 24)",
+        None,
+        "number",
+        2.0,
+        96.0,
+        optional=True,
+    ),
+    Definition(
+        "n_s",
+        "n_s",
+        "latitudes of a closed cell (default: twice as many as k_max needs)",
+        None,
+        "whole",
+        8,
+        4096,
+        optional=True,
+    ),
+)
+"""Settings of [grid] that only closed cells have."""
+
 INITIAL = (
     Definition(
         "kind",
@@ -217,7 +270,7 @@ RUN = (
 )
 
 MODEL = (
-    Definition("kind", "-", "model", "polar", "choice", allowed=("polar", "kinetic", "coupled")),
+    Definition("kind", "-", "model", "polar", "choice", allowed=("polar", "kinetic", "coupled", "closed")),
     Definition(
         "modes", "N", "angular modes of the kinetic model (default: 48)", None, "whole", 2, 512, optional=True
     ),
@@ -262,9 +315,24 @@ MODEL = (
         maximum=100.0,
         optional=True,
     ),
+    Definition(
+        "repulsion",
+        "-",
+        "how the repulsive direction follows from the curvature of a closed cell (default: principal)",
+        None,
+        "choice",
+        allowed=("principal", "polynomial", "bounded"),
+        optional=True,
+    ),
 )
 
-TABLES = {"model": MODEL, "parameters": PARAMETERS, "grid": GRID, "initial": INITIAL, "run": RUN}
+TABLES = {
+    "model": MODEL,
+    "parameters": PARAMETERS,
+    "grid": (*GRID, *SURFACE),
+    "initial": INITIAL,
+    "run": RUN,
+}
 
 
 def option(table: str, item: Definition) -> str:

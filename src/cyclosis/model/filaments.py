@@ -55,13 +55,13 @@ class Term:
 
 def advection(now: Moment) -> jax.Array:
     """Return -ε (u·∇)P."""
-    along_theta, along_z = now.gradient(now.spectrum)
+    along_theta, along_z = now.p_gradient
     return -now.values.epsilon * (now.u.real * along_theta + now.u.imag * along_z)
 
 
 def shear(now: Moment) -> jax.Array:
     """Return ε (P·∇)u."""
-    along_theta, along_z = now.gradient(now.flow_spectrum)
+    along_theta, along_z = now.u_gradient
     return now.values.epsilon * (now.p.real * along_theta + now.p.imag * along_z)
 
 
@@ -199,7 +199,7 @@ def nonlinear(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
     two stay separate, because the strain acts differently.
     """
     names = {term.name for term in terms}
-    fused = {"advection", "shear"} <= names and now.closure == PAPER
+    fused = now.fuses and {"advection", "shear"} <= names and now.closure == PAPER
     separate = [t for t in terms if t.kind != "linear" and not (fused and t.name in ("advection", "shear"))]
     rate = _turned(now, [t for t in separate if t.kind == "torque"])
     for term in separate:

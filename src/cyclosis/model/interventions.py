@@ -80,7 +80,8 @@ ACTIONS = {
 }
 
 _ANGLE = Definition("theta", "θ", "angle", None, "number", -6.3, 6.3, needed=True)
-_PLACE = Definition("z", "z", "axial position, on the cell", None, "number", 0.0, 1e4, needed=True)
+_ALONG = "axial position on the cell; arc length s from the south pole of a closed one"
+_PLACE = Definition("z", "z", _ALONG, None, "number", 0.0, 1e4, needed=True)
 _AXIS = Definition("axis", "-", "coordinate that bounds it", "theta", "choice", allowed=("theta", "z"))
 _END = Definition("start", "-", "from here", None, "number", -6.3, 1e4, needed=True)
 
@@ -95,7 +96,7 @@ SHAPES: dict[str, tuple[str, tuple[Definition, ...]]] = {
         ),
     ),
     "disc": (
-        "all points within a distance, measured on the surface",
+        "all points within a distance, measured on the surface, or through space on a closed cell",
         (
             _ANGLE,
             _PLACE,

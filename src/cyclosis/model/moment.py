@@ -41,6 +41,8 @@ class Moment:
     """
 
     closure: str = PAPER
+    fuses = True
+    """Whether advection and shear together have a shorter form here, see `filaments.nonlinear`."""
 
     def __init__(
         self,
@@ -97,7 +99,16 @@ class Moment:
         """∇·P (the imaginary part of the same transform is the curl of P)."""
         return self.space.to_physical(1j * jnp.conj(self.space.K) * self.spectrum).real
 
-    def gradient(self, spectrum: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Return the theta and z derivatives of a packed field."""
+    @property
+    def p_gradient(self) -> tuple[jax.Array, jax.Array]:
+        """The derivatives of P in the directions theta and z."""
+        return self._gradient(self.spectrum)
+
+    @property
+    def u_gradient(self) -> tuple[jax.Array, jax.Array]:
+        """The derivatives of u in the directions theta and z."""
+        return self._gradient(self.flow_spectrum)
+
+    def _gradient(self, spectrum: jax.Array) -> tuple[jax.Array, jax.Array]:
         m, q = self.space.m, self.space.q
         return self.space.to_physical(1j * m * spectrum), self.space.to_physical(1j * q * spectrum)

@@ -142,6 +142,9 @@ class Parameters:
             cyclosis.model.errors.InputError: length of the parameter fields = 5.0 cannot be used: ...
         """
         self.require_shape(grid.shape)
+        if self._length is not None and not hasattr(grid, "length"):
+            rule, remedy = "left out on a closed surface, which has no z", "give plain arrays (theta, s)"
+            raise InputError("length of the parameter fields", self._length, rule, remedy)
         if self._length is not None and abs(self._length - grid.length) > CLOSE * grid.length / grid.n_z:
             rule, remedy = f"that of the grid, {grid.length:g}", "give the fields on the grid that is used"
             raise InputError("length of the parameter fields", self._length, rule, remedy)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -58,12 +58,13 @@ class System:
     ramp: Ramp | None = None
     closure: str = PAPER
     drag: Any = None
+    moment: ClassVar[type[Moment]] = Moment
 
     def at(self, spectrum: jax.Array, time: Any = 0.0) -> Moment:
         """Return the `Moment` of a packed spectrum."""
         values, operator = self.couplings(time)
         space, closure = self.space, self.closure
-        return Moment(time, spectrum, values, space, operator, self.cubic, self.grid, closure)
+        return self.moment(time, spectrum, values, space, operator, self.cubic, self.grid, closure)
 
     def couplings(self, time: Any) -> tuple[Values, FlowOperator]:
         """Return the values of the couplings at a time, and the flow operator."""
@@ -71,10 +72,12 @@ class System:
         if self.ramp is not None:
             values = _at_time(values, self.ramp, time)
             if "mu" in self.ramp.target:
-                operator = hydrodynamics.flow_operator(
-                    self.space, values.mu, values.zero_theta_flux, self.drag
-                )
+                operator = self.operator_of(values)
         return values, operator
+
+    def operator_of(self, values: Values) -> Any:
+        """Return the operator that gives the flow of a force, for values of the couplings."""
+        return hydrodynamics.flow_operator(self.space, values.mu, values.zero_theta_flux, self.drag)
 
     def strongest(self) -> Values:
         """Return the values with the larger of the diffusion constants at either end of a ramp."""
@@ -258,6 +261,7 @@ def flow(params: Parameters, grid: CylinderGrid, state: npt.ArrayLike, dealias: 
 
         -μ ∇²u + u + Π₀ e_z + ∇Π' = |P|ⁿ P,   ∇·u = 0,   <u_z> = 0
 
+    On a `cyclosis.ClosedGrid` it is the flow on that surface, (2, n_theta, n_s).
     Raises `InputError` if state or parameter fields do not match the grid. Source: Woodhouse &
     Goldstein 2013.
 

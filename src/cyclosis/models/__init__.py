@@ -3,7 +3,7 @@
 Example:
     >>> import cyclosis as cy
     >>> cy.models.MODELS
-    {'polar': cyclosis.models.polar, 'kinetic': cyclosis.models.kinetic, 'coupled': cyclosis.models.coupled}
+    {'polar': cyclosis.models.polar, 'kinetic': cyclosis.models.kinetic, ...}
     >>> cy.models.polar.title
     'Self-organised cytoplasmic streaming on a cylinder'
 """
@@ -17,6 +17,8 @@ from typing import Any
 from ..contract.members import Starts
 from ..contract.model import Model
 from ..model.errors import InputError, choice
+from .closed.model import closed as closed
+from .closed.model import closed_model as closed_model
 from .coupled import coupled as coupled
 from .coupled import coupled_model as coupled_model
 from .kinetic.model import kinetic as kinetic
@@ -24,7 +26,7 @@ from .kinetic.model import kinetic_model
 from .polar_cylinder import polar as polar
 from .polar_model import polar_model as polar_model
 
-MODELS = {item.name: item for item in (polar, kinetic, coupled)}
+MODELS = {item.name: item for item in (polar, kinetic, coupled, closed)}
 """All models by name."""
 
 
@@ -32,6 +34,7 @@ MAKERS: dict[str, Callable[..., Model]] = {
     polar.name: polar_model,
     kinetic.name: kinetic_model,
     coupled.name: coupled_model,
+    closed.name: closed_model,
 }
 """What makes a model of the other settings of its [model] table, by name."""
 FREE = ("modes",)
@@ -71,6 +74,17 @@ def of_tables(tables: Mapping[str, Any], given: Model | None = None) -> Model:
             rule = f"{made.wording}, as in the file"
             raise InputError("model", same.wording, rule, "give that model, or none")
     return same
+
+
+def of_grid(grid: Any) -> Model:
+    """Return the model that a grid has by default: polar on a cylinder, closed on a closed surface.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.models.of_grid(cy.CylinderGrid(16, 16)), cy.models.of_grid(cy.ClosedGrid(cy.Sphere(), k_max=8))
+        (cyclosis.models.polar, cyclosis.models.closed)
+    """
+    return next((model for model in (closed,) if isinstance(grid, model.grid)), polar)
 
 
 def starts_of(model: Model) -> Starts:

@@ -26,6 +26,8 @@ from ..display.notebook import map_of
 from ..model import swept_starts
 from ..model.actions import act
 from ..model.closures import PAPER
+from ..model.definitions import GRID, SURFACE
+from ..model.errors import InputError
 from ..model.filaments import select_terms
 from ..model.grid import Array, CylinderGrid, resolved
 from ..model.parameters import Parameters
@@ -90,6 +92,16 @@ def _certain(problem: Problem) -> Callable[[], Inquiry]:
     return certainty.inquiry
 
 
+def grid_of(**table: Any) -> CylinderGrid:
+    """Return the grid of a [grid] table. Raises `InputError` for a setting that only closed cells have."""
+    for item in SURFACE:
+        if table.get(item.name) is not None:
+            rule = "used only where [model] kind is closed"
+            raise InputError(item.name, table[item.name], rule, "remove it, or choose that model")
+    own = {item.name for item in GRID}
+    return CylinderGrid(**{name: value for name, value in table.items() if name in own})
+
+
 def _flow(system: System, spectrum: Any, time: Any) -> Array:
     return system.state(flow_spectrum(system, system.reported(spectrum), time))
 
@@ -100,6 +112,7 @@ polar = Model(
     source="Model of Woodhouse & Goldstein, PNAS 110 (2013), doi 10.1073/pnas.1302736110",
     parameters=Parameters,
     grid=CylinderGrid,
+    grid_of=grid_of,
     terms=select_terms,
     system=_system,
     ramped=_ramped,

@@ -5,14 +5,11 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from .lines import aligned
 
 if TYPE_CHECKING:
     import xarray
 
-    from ..analysis.regimes import Regime
     from ..dynamics.trajectory import Trajectory
 
 
@@ -23,8 +20,7 @@ def summary(run: Trajectory) -> str:
     lines = {
         "status": run.message,
         "regime": str(found),
-        "indifferent zones": _zones(found),
-        "stripe widths": " : ".join(f"{w:.4f}" for w in found.widths) or "none",
+        **found.details,
         "order": f"{numbers['order']:.4f}",
         "peak speed": f"{numbers['peak_speed']:.4f} U",
         "wall time": f"{effort.wall_time:.1f} s",
@@ -35,7 +31,7 @@ def summary(run: Trajectory) -> str:
     return aligned(lines)
 
 
-def _at_the_end(run: Trajectory) -> tuple[Regime, dict[str, Any]]:
+def _at_the_end(run: Trajectory) -> tuple[Any, dict[str, Any]]:
     """Return the regime of the final state, and its quantities."""
     from ..analysis.diagnostics import diagnose
     from ..analysis.regimes import regime
@@ -62,23 +58,15 @@ def _steps_done(run: Trajectory) -> str:
     return f"{text}, {waiting} of them after t = {run.t_final:g} and not reached" if waiting else text
 
 
-def _zones(found: Regime) -> str:
-    if found.zones.size == 0:
-        return "none"
-    angles = ", ".join(f"{np.degrees(angle):.1f}°" for angle in found.zones)
-    return f"{found.zones.size}, at {angles}"
-
-
 def tree(dataset: xarray.Dataset) -> str:
     """Return a file of a run as a short tree."""
     run = json.loads(dataset.attrs["outcome"])
     asked = json.loads(dataset.attrs["configuration"])
-    sizes = dataset.sizes
     times = dataset["time"].values
     span = f"{times.size} frames, t = {times[0]:g} to {times[-1]:g}" if times.size else "no frames"
     lines = [
         f"cyclosis run: {run['message']}",
-        f"├─ grid        {sizes['theta']} x {sizes['z']}, length {dataset.attrs['length']:g}",
+        f"├─ grid        {_grid(dataset, asked)}",
         *_model(asked),
         f"├─ saved       {span}",
         "├─ parameters  " + _listed(asked["parameters"]),
@@ -97,6 +85,14 @@ def tree(dataset: xarray.Dataset) -> str:
         branch = "└─" if name == names[-1] else "├─"
         lines.append(f"   {branch} {f'{name}({dims})':<32} {variable.attrs.get('long_name', '')}")
     return "\n".join(lines)
+
+
+def _grid(dataset: xarray.Dataset, asked: dict[str, Any]) -> str:
+    """Return the grid of a run in words."""
+    sizes = dataset.sizes
+    if "z" in sizes:
+        return f"{sizes['theta']} x {sizes['z']}, length {dataset.attrs['length']:g}"
+    return _listed(asked["grid"])
 
 
 def _model(asked: dict[str, Any]) -> list[str]:

@@ -14,6 +14,9 @@ from .cell.equilibria import SteadyState as SteadyState
 from .cell.equilibria import steady_state as steady_state
 from .cell.modes import CellModes as CellModes
 from .cell.modes import leading_modes as leading_modes
+from .closed_cells import AxialState as AxialState
+from .closed_cells import azimuthal_rates as azimuthal_rates
+from .closed_cells import source_to_sink as source_to_sink
 from .existence.boundaries import Limits as Limits
 from .existence.boundaries import limits as limits
 from .existence.multistripe import common_threshold as common_threshold

@@ -68,6 +68,9 @@ def flow(
         if t is not None:
             raise InputError("t", t, "given only with a run", "leave it out")
         return of_surface(source, u, closure)
+    if is_a(source, "ClosedGrid"):
+        rule = "a cyclosis.CylinderGrid: the vacuole of a closed cell is not modelled"
+        raise InputError("grid", source, rule, "use a cylinder")
     if u is not None:
         raise InputError("u", u, "given only with a grid", "write flow(grid, u), or flow(run) without u")
     if isinstance(source, Trajectory):
@@ -135,6 +138,9 @@ def _of_run(run: Trajectory) -> tuple[CylinderGrid, Array, Callable[[int], Array
 
 
 def _of_dataset(data: xarray.Dataset) -> tuple[CylinderGrid, Array, Callable[[int], Array]]:
+    if "s" in data.coords:
+        rule = "the periodic cylinder, for which alone this is defined"
+        raise InputError("the surface of the run", "a closed cell", rule, "use a run of another model")
     lacking = [name for name in ("theta", "z", "time") if name not in data.coords]
     if lacking:
         rule = "those of a run: theta, z and time"

@@ -2,6 +2,10 @@
 
 A region is a value; `mask(grid)` says which points of a grid lie in it. `~a`, `a | b` and `a & b` are the
 complement, the union and the intersection. Angles in radians, lengths in radii; both directions are periodic.
+
+On a `cyclosis.ClosedGrid` z stands for the arc length s along the meridian, from 0 at the south pole to
+`grid.surface.meridian_length` at the north pole. A region that wraps around along s holds both
+ends of the cell.
 """
 
 # In the order in which they are to be read.

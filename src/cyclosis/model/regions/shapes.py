@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from ..doors import door
 from ..errors import InputError
-from ..grid import CylinderGrid
 from ..interventions import SHAPES
 from ..wording import beside
 
@@ -48,18 +47,22 @@ class Region:
                 object.__setattr__(self, item.name, item.check(getattr(self, item.name)))
 
     @door
-    def mask(self, grid: CylinderGrid) -> Mask:
+    def mask(self, grid: Any) -> Mask:
         """Return which points of a grid lie in the region, shape (n_theta, n_z).
 
-        Raises `InputError` for a region that is not on the cell.
+        On a `cyclosis.ClosedGrid`, (n_theta, n_s), z is the arc length s from the south pole. Raises
+        `InputError` for a region that is not on the cell.
         """
         self.check(grid)
-        return np.broadcast_to(
-            self.inside(grid.theta[:, None], grid.z[None, :], grid.length), grid.shape
-        ).copy()
+        return np.broadcast_to(self.covers(grid), grid.shape).copy()
 
-    def check(self, grid: CylinderGrid) -> None:
+    def check(self, grid: Any) -> None:
         """Raise `InputError` if the region is not on the cell."""
+
+    def covers(self, grid: Any) -> Any:
+        """Return whether points of a grid lie in the region, of a shape that broadcasts to the grid's."""
+        along, length = _unrolled(grid)
+        return self.inside(grid.theta[:, None], along[None, :], length)
 
     def inside(self, theta: Any, z: Any, length: float) -> Any:
         """Return whether points lie in the region; `theta` and `z` broadcast."""
@@ -104,7 +107,7 @@ class Box(Region):
         _refuse_nothing("theta1", self.theta0, self.theta1)
         _refuse_nothing("z1", self.z0, self.z1)
 
-    def check(self, grid: CylinderGrid) -> None:
+    def check(self, grid: Any) -> None:
         """Raise `InputError` if the box ends beyond the cell."""
         _on_the_cell("z0", self.z0, grid)
         _on_the_cell("z1", self.z1, grid)
@@ -118,6 +121,8 @@ class Box(Region):
 class Disc(Region):
     """All points within `radius` of (theta, z), measured on the surface; radians and radii.
 
+    On a closed surface the distance is measured straight through space.
+
     Example:
         >>> import cyclosis as cy
         >>> print(cy.regions.disc(3.0, 2.5, 0.5))
@@ -129,12 +134,19 @@ class Disc(Region):
     z: float
     radius: float
 
-    def check(self, grid: CylinderGrid) -> None:
+    def check(self, grid: Any) -> None:
         """Raise `InputError` if the centre is not on the cell."""
         _on_the_cell("z", self.z, grid)
 
+    def covers(self, grid: Any) -> Any:
+        """Return whether points of a grid lie in the disc."""
+        if _closed(grid) is None:
+            return super().covers(grid)
+        apart = grid.xyz - grid.position(self.theta, self.z)[:, None, None]
+        return np.sqrt(np.sum(apart**2, axis=0)) <= self.radius + ROUNDING
+
     def inside(self, theta: Any, z: Any, length: float) -> Any:
-        """Return whether points lie in the disc."""
+        """Return whether points lie in the disc, on a cylinder."""
         around = _nearest(theta - self.theta, 2 * np.pi)
         along = _nearest(z - self.z, length)
         return np.hypot(around, along) <= self.radius + ROUNDING
@@ -164,7 +176,7 @@ class Band(Region):
                     rule = "an angle from -6.3 to 6.3 radians where axis is theta"
                     raise InputError(name, getattr(self, name), rule, "give it in radians, or axis = z")
 
-    def check(self, grid: CylinderGrid) -> None:
+    def check(self, grid: Any) -> None:
         """Raise `InputError` if the band ends beyond the cell."""
         if self.axis == "z":
             _on_the_cell("start", self.start, grid)
@@ -214,9 +226,13 @@ class Complement(Region):
     def __post_init__(self) -> None:
         _require_regions((self.region,))
 
-    def check(self, grid: CylinderGrid) -> None:
+    def check(self, grid: Any) -> None:
         """Raise `InputError` if the region is not on the cell."""
         self.region.check(grid)
+
+    def covers(self, grid: Any) -> Any:
+        """Return whether points of a grid lie outside the region."""
+        return ~self.region.covers(grid)
 
     def inside(self, theta: Any, z: Any, length: float) -> Any:
         """Return whether points lie outside the region."""
@@ -237,14 +253,23 @@ class Complement(Region):
 class _Combined(Region):
     parts: tuple[Region, ...]
     word: ClassVar[str]
+    combine: ClassVar[Any]
 
     def __post_init__(self) -> None:
         _require_regions(self.parts)
 
-    def check(self, grid: CylinderGrid) -> None:
+    def check(self, grid: Any) -> None:
         """Raise `InputError` if a part is not on the cell."""
         for part in self.parts:
             part.check(grid)
+
+    def covers(self, grid: Any) -> Any:
+        """Return whether points of a grid lie in the combination of the parts."""
+        return self.combine([np.broadcast_to(part.covers(grid), grid.shape) for part in self.parts])
+
+    def inside(self, theta: Any, z: Any, length: float) -> Any:
+        """Return whether points lie in the combination of the parts."""
+        return self.combine([part.inside(theta, z, length) for part in self.parts])
 
     def as_table(self) -> dict[str, Any]:
         """Return the region as a table with the tables of its parts."""
@@ -266,10 +291,7 @@ class Union(_Combined):
 
     shape = "union"
     word = "or"
-
-    def inside(self, theta: Any, z: Any, length: float) -> Any:
-        """Return whether points lie in any of the parts."""
-        return np.logical_or.reduce([part.inside(theta, z, length) for part in self.parts])
+    combine = np.logical_or.reduce
 
 
 @dataclass(frozen=True)
@@ -284,10 +306,7 @@ class Intersection(_Combined):
 
     shape = "intersection"
     word = "and"
-
-    def inside(self, theta: Any, z: Any, length: float) -> Any:
-        """Return whether points lie in all the parts."""
-        return np.logical_and.reduce([part.inside(theta, z, length) for part in self.parts])
+    combine = np.logical_and.reduce
 
 
 def box(theta0: float, theta1: float, z0: float, z1: float) -> Region:
@@ -307,6 +326,8 @@ def box(theta0: float, theta1: float, z0: float, z1: float) -> Region:
 
 def disc(theta: float, z: float, radius: float) -> Region:
     """Return all points within `radius` (in radii of the cell) of (theta, z), measured on the surface.
+
+    On a closed surface the distance is measured straight through space, and z is the arc length s.
 
     Example:
         >>> import cyclosis as cy
@@ -334,6 +355,7 @@ def strips(count: int, share: float = 0.5, axis: str = "theta", offset: float = 
     """Return `count` strips at even distances along an axis that together cover a `share` of the surface.
 
     With axis "theta" they run along the cell, with "z" around it. The first begins `offset` spacings from 0.
+    On a closed surface, rings cover that share of the meridian, which is not the share of the area.
 
     Example:
         >>> import cyclosis as cy
@@ -358,10 +380,23 @@ def _refuse_nothing(name: str, start: float, stop: float) -> None:
         raise InputError(name, stop, "different from the first end", "leave some room between the two")
 
 
-def _on_the_cell(name: str, z: float, grid: CylinderGrid) -> None:
-    if not 0 <= z <= grid.length * (1 + ROUNDING):
+def _closed(grid: Any) -> Any:
+    """Return the surface of a closed grid, None of a cylinder's."""
+    return getattr(grid, "surface", None)
+
+
+def _unrolled(grid: Any) -> tuple[Any, float]:
+    """Return the positions (n,) of a grid along the cell, and the length of the cell in that direction."""
+    surface = _closed(grid)
+    return (grid.z, grid.length) if surface is None else (grid.s, surface.meridian_length)
+
+
+def _on_the_cell(name: str, z: float, grid: Any) -> None:
+    length = _unrolled(grid)[1]
+    if not 0 <= z <= length * (1 + ROUNDING):
+        what = "its length" if _closed(grid) is None else "the length of its meridian"
         remedy = "move the region, or lengthen the cell"
-        raise InputError(name, z, f"on the cell, from 0 to its length {beside(grid.length, z)}", remedy)
+        raise InputError(name, z, f"on the cell, from 0 to {what} {beside(length, z)}", remedy)
 
 
 def _between(x: Any, start: float, stop: float, period: float) -> Any:

@@ -51,7 +51,7 @@ class UnevenMoment(Moment):
     def crowding(self) -> jax.Array:
         """2 d⁽ˢ⁾ (∇ ln c · ∇)P, packed."""
         slope = self.space.to_physical(1j * self.space.K * self.modes[1])
-        along_theta, along_z = self.gradient(self.spectrum)
+        along_theta, along_z = self.p_gradient
         return 2.0 * self.values.d_s / self.c * (slope.real * along_theta + slope.imag * along_z)
 
 

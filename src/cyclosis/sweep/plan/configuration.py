@@ -51,7 +51,7 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
     protocol = Protocol.from_tables(given.get("protocol", []))
     out: Tables = {
         "parameters": _parameters(model, tables, swept, grid),
-        "grid": {key: value for key, value in vars(grid).items() if key not in swept},
+        "grid": _grid(model, tables, swept),
         "initial": starts.filled(tables["initial"], _ends("initial", swept)),
         "axes": swept,
         "ensemble": _filled("ensemble", tables),
@@ -75,7 +75,7 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
 def grid_of(tables: Tables, point: Mapping[str, float]) -> Any:
     """Return the grid at a point of the axes."""
     swept = {key: point[key] for key in point if AXES[key][0] == "grid"}
-    return models.of_tables(tables).grid(**(tables["grid"] | swept))
+    return models.of_tables(tables).grid_from(tables["grid"] | swept)
 
 
 def _axes(given: Any) -> dict[str, dict[str, Any]]:
@@ -123,7 +123,14 @@ def _grids(model: Model, tables: Tables, swept: Mapping[str, Any]) -> list[Any]:
     """Return the grid, or the grids at the first and the last values if it is swept."""
     ends = _ends("grid", swept)
     chosen = ({key: values[k] for key, values in ends.items()} for k in ((0, 1) if ends else (0,)))
-    return [model.grid(**(tables["grid"] | values)) for values in chosen]
+    return [model.grid_from(tables["grid"] | values) for values in chosen]
+
+
+def _grid(model: Model, tables: Tables, swept: Mapping[str, Any]) -> Tables:
+    """Return the [grid] table, without what is swept and what follows from it: what differs at its ends."""
+    first, *last = (model.table_of(grid) for grid in _grids(model, tables, swept))
+    same = {key: value for key, value in first.items() if all(other.get(key) == value for other in last)}
+    return {key: value for key, value in same.items() if key not in swept}
 
 
 def _parameters(model: Model, tables: Tables, swept: Mapping[str, Any], grid: Any) -> dict[str, Any]:

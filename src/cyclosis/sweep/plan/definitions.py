@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...model.definitions import GRID, INITIAL, MODEL, PARAMETERS, Definition, definition
+from ...model.definitions import GRID, INITIAL, MODEL, PARAMETERS, SURFACE, Definition, definition
 
 MAX_MEMBERS = 10**9
 """Largest number of members of one sweep."""
@@ -84,7 +84,7 @@ START = (
 TABLES = {
     "model": MODEL,
     "parameters": PARAMETERS,
-    "grid": GRID,
+    "grid": (*GRID, *SURFACE),
     "initial": START,
     "ensemble": ENSEMBLE,
     "run": RUN,
@@ -94,7 +94,7 @@ TABLES = {
 
 AXES: dict[str, tuple[str, Definition]] = {
     **{item.name: ("parameters", item) for item in PARAMETERS if item.kind == "number"},
-    "length": ("grid", definition("grid", "length")),
+    **{name: ("grid", definition("grid", name)) for name in ("length", "aspect", "smoothing")},
     "filaments_per_square": ("initial", definition("initial", "filaments_per_square")),
     "magnitude": ("initial", definition("initial", "magnitude")),
 }

@@ -235,7 +235,7 @@ class Sweep:
             (['component', 'theta', 'z', 'zone'], 'angle around the axis in radians')
         """
         grid: dict[str, Any] = {"length": 1.0} if "length" in self.axes else {}
-        return self.model.coordinates(self.model.grid(**(grid | self.tables["grid"])), None)
+        return self.model.coordinates(self.model.grid_from(grid | self.tables["grid"]), None)
 
     @cached_property
     def digest(self) -> str:

@@ -1,0 +1,1 @@
+"""The closed cell: the filament equation and its flow on a closed surface of revolution."""

@@ -1,0 +1,147 @@
+"""Axisymmetric steady states of closed cells, and the growth of their perturbations.
+
+A state that does not depend on θ couples only the modes e^{imθ} and e^{-imθ} of a perturbation, so that its
+growth rates are eigenvalues of a small matrix: the derivative of the right-hand side itself, by automatic
+differentiation, in the surface harmonics of ±m.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+
+from ..closed import initial
+from ..closed.grid import Array, ClosedGrid
+from ..closed.system import PRINCIPAL, ClosedSystem
+from ..model.doors import door
+from ..model.errors import InputError, whole
+from ..model.filaments import TermLike
+from ..model.parameters import Parameters
+from ..model.precision import on_host
+from ..models import closed_model
+
+STEPS = 40
+CLOSE = 1e-12
+"""Newton's method ends when a step is smaller than this root mean square of P."""
+
+
+@dataclass(frozen=True, eq=False)
+class AxialState:
+    """A steady state that does not depend on θ: `P` (2, n_theta, n_s), its `modes`, and the rest of dP/dt."""
+
+    P: Array
+    modes: npt.NDArray[np.complex128]
+    residual: float
+
+
+def _system(
+    params: Parameters, grid: ClosedGrid, repulsion: str, terms: Iterable[TermLike] | None = None
+) -> ClosedSystem:
+    model = closed_model(repulsion)
+    made: Any = model.system(model.problem(params, grid, terms), True)
+    return made
+
+
+@jax.jit
+def _rate(system: ClosedSystem, modes: Any) -> Any:
+    return system.rate(system.at(modes))
+
+
+@door
+def source_to_sink(params: Parameters, grid: ClosedGrid, repulsion: str = PRINCIPAL) -> AxialState:
+    """Return the steady state in which filaments run from the south pole to the north: P = P(s) e_s.
+
+    Its force is a gradient, so that nothing flows. Found by Newton's method from a relaxed guess. Raises
+    `InputError` where there is none: order must grow, α_p > d_r.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.ClosedGrid(cy.Capsule(2.0), k_max=8)
+        >>> found = cy.stability.source_to_sink(cy.Parameters(alpha_p=0.5, alpha_u=0.05), grid)
+        >>> found.residual < 1e-11, bool(abs(cy.flow(cy.Parameters(), grid, found.P)).max() < 1e-11)
+        (True, True)
+    """
+    system = _system(params, grid, repulsion)
+    count = int(grid.tables.modes[0])
+    guess = system.spectrum(initial.source_to_sink(grid, 0.9))[0, 0, :count].imag
+
+    @jax.jit
+    def rate(system: ClosedSystem, y: Any) -> Any:
+        modes = jnp.zeros(system.space.keep.shape, complex).at[0, 0, :count].set(1j * y)
+        return system.rate(system.at(modes))[0, 0, :count].imag
+
+    slope = jax.jit(jax.jacfwd(rate, argnums=1))
+    with on_host():
+        placed = jax.device_put(system)
+        y = _relaxed(rate, slope, placed, guess)
+        for _ in range(STEPS):
+            step = np.linalg.solve(np.asarray(slope(placed, y)), np.asarray(rate(placed, y)))
+            y = y - step
+            if float(np.linalg.norm(step)) < CLOSE:
+                break
+        rest = float(np.linalg.norm(np.asarray(rate(placed, y))))
+    modes = np.zeros(system.space.keep.shape, complex)
+    modes[0, 0, :count] = 1j * y
+    P = system.state(modes)
+    order = float(np.sqrt(grid.mean(np.sum(P**2, axis=0))))
+    if not rest < 1e-8 or order < 0.05:
+        rule = "where filaments from pole to pole stay in order, and here none were found"
+        raise InputError("the parameter point", f"order {order:.2g}", rule, "raise alpha_p")
+    return AxialState(P, modes, rest)
+
+
+def _relaxed(rate: Any, slope: Any, system: ClosedSystem, y: Any) -> Any:
+    """Return a guess relaxed by linearly implicit steps of growing length, up to t = 200."""
+    h, t = 0.2, 0.0
+    eye = np.eye(len(y))
+    while t < 200.0:
+        y = y + h * np.linalg.solve(eye - h * np.asarray(slope(system, y)), np.asarray(rate(system, y)))
+        t, h = t + h, min(1.2 * h, 5.0)
+    return y
+
+
+@door
+def azimuthal_rates(
+    params: Parameters,
+    grid: ClosedGrid,
+    state: npt.ArrayLike,
+    m: int,
+    terms: Iterable[TermLike] | None = None,
+    repulsion: str = PRINCIPAL,
+) -> npt.NDArray[np.complex128]:
+    """Return the growth rates of all perturbations e^{±imθ} of a state that does not depend on θ.
+
+    Complex, in decreasing order of their real parts; dimensionless (per R/U). `terms` linearises a part of
+    the equation alone. Raises `InputError` for a state that depends on θ, and for an m without harmonics.
+    """
+    most = len(grid.tables.modes) - 1
+    m = whole("m", m, 0, most, "m = 0 is a perturbation that does not depend on theta either")
+    P = grid.check_state(state)
+    if np.abs(P - P.mean(axis=1, keepdims=True)).max() > 1e-8:
+        remedy = "take one of cyclosis.stability.source_to_sink"
+        raise InputError("state", P, "one that does not depend on theta", remedy)
+    system = _system(params, grid, repulsion, terms)
+    places = [(side, m, j) for side in ((0, 1) if m else (0,)) for j in range(int(grid.tables.modes[m]))]
+    shape = system.space.keep.shape
+    directions = np.zeros((2 * len(places), *shape), complex)
+    for number, place in enumerate(places):
+        directions[2 * number][place], directions[2 * number + 1][place] = 1.0, 1j
+    with on_host():
+        columns = np.asarray(_pushed(jax.device_put(system), system.spectrum(P), directions))
+    rows = np.array([columns[(slice(None), *place)] for place in places])
+    matrix = np.stack([rows.real, rows.imag], axis=1).reshape(-1, len(directions))
+    rates = np.linalg.eigvals(matrix)
+    return rates[np.argsort(-rates.real)]
+
+
+@partial(jax.jit)
+def _pushed(system: ClosedSystem, modes: Any, directions: Any) -> Any:
+    """Return the derivative of the rate of change in several directions."""
+    return jax.lax.map(lambda one: jax.jvp(lambda at: _rate(system, at), (modes,), (one,))[1], directions)

@@ -1,0 +1,83 @@
+"""Steady states: the circulation of a droplet, and a long capsule whose middle is the periodic cylinder."""
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+from scipy.special import lpmv
+
+import cyclosis as cy
+
+PARAMS = cy.Parameters()
+
+
+def droplet(params, count=30):
+    """Return order, speed and circulation of P = f e_φ on a sphere, of polar angle τ about the axis.
+
+        d_s L f - d_r f + (1 - f²)(α_p f + α_u v) = 0,   -μ (L v + v) + v = f³
+
+    with L f = f'' + cot τ f' - cot² τ f. By collocation in associated Legendre functions of odd degree l and
+    order 1, of which L is -(l (l + 1) - 1), and Newton's method.
+    """
+    x, weight = np.polynomial.legendre.leggauss(4 * count)
+    x, weight = x[2 * count :], 2 * weight[2 * count :]  # the state is symmetric about the equator
+    l = 2 * np.arange(count) + 1  # noqa: E741
+    values = np.stack([-lpmv(1, degree, x) / degree for degree in l], axis=1)
+    inner = lambda f: np.linalg.lstsq(np.sqrt(weight)[:, None] * values, np.sqrt(weight) * f, rcond=None)[0]  # noqa: E731
+
+    def flow(f):
+        return values @ (inner(f**3) / (1 + params.mu * (l * (l + 1) - 2)))
+
+    def residual(a):
+        f = values @ a
+        drive = (1 - f**2) * (params.alpha_p * f + params.alpha_u * flow(f))
+        return inner(drive) - (params.d_s * (l * (l + 1) - 1) + params.d_r) * a
+
+    a, _, flag, _ = fsolve(residual, 0.9 * (l == 1), xtol=1e-13, full_output=True)
+    assert flag == 1
+    assert np.abs(residual(a)).max() < 1e-11
+    f = values @ a
+    v = flow(f)
+    mean = lambda g: 0.5 * np.sum(weight * g)  # noqa: E731
+    return np.sqrt(mean(f**2)), np.sqrt(mean(v**2)), 1.5 * mean(np.sqrt(1 - x**2) * v)
+
+
+def test_the_circulation_of_a_droplet_in_one_dimension():
+    """Resolved, and the numbers of an earlier program by another method."""
+    found = droplet(PARAMS)
+    np.testing.assert_allclose(found, droplet(PARAMS, 40), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found, (0.966793, 0.915540, 1.114358), rtol=0, atol=1e-6)
+
+
+@pytest.mark.slow
+def test_a_droplet_circulates():
+    """About an axis through no pole of the grid, so that every azimuthal mode takes part."""
+    grid = cy.ClosedGrid(cy.Sphere(), k_max=24)
+    x = np.moveaxis(np.cross([0.6, 0.0, 0.8], np.moveaxis(grid.xyz, 0, -1)), -1, 0)
+    run = cy.simulate(PARAMS, grid, cy.closed.from_vectors(grid, 0.9 * x), 60.0, 60.0, rtol=1e-5)
+    order, speed, circulation = droplet(PARAMS)
+    found = cy.diagnose(PARAMS, grid, run.final_state)
+    assert found["order"] == pytest.approx(order, abs=1e-5)
+    assert found["rms_speed"] == pytest.approx(speed, abs=1e-5)
+    np.testing.assert_allclose(found["circulation"], circulation * np.array([0.6, 0, 0.8]), rtol=0, atol=1e-5)
+    regime = cy.regime(PARAMS, grid, run.final_state)
+    assert regime.name == "circulation"
+    assert [defect.index for defect in regime.defects] == [1, 1]
+    places = [grid.position(defect.theta, defect.s) for defect in regime.defects]
+    np.testing.assert_allclose(places, [[-0.6, 0, -0.8], [0.6, 0, 0.8]], rtol=0, atol=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("length", "k_max", "of_order", "of_flow"), [(10, 20, 3e-3, 2e-3), (16, 28, 2e-4, 2e-4)]
+)
+def test_the_middle_of_a_long_capsule_is_the_periodic_cylinder(length, k_max, of_order, of_flow):
+    """With the same profile around the cell. At a length of 5 the ends change the flow there by 0.012."""
+    grid, line = cy.ClosedGrid(cy.Capsule(length), k_max=k_max), cy.CylinderGrid(96, 1)
+    run = cy.simulate(PARAMS, grid, cy.closed.rotation(grid), 60.0, 60.0, stepper="etdrk4", dt=0.25)
+    flat = cy.simulate(PARAMS, line, cy.initial.stripes(line), 100.0, 100.0)
+    circle = np.stack([np.cos(line.theta), np.sin(line.theta), 0 * line.theta], -1)
+    for field, bound in ((lambda *of: of[-1], of_order), (cy.flow, of_flow)):
+        found = grid.cartesian(field(PARAMS, grid, run.final_state), circle)[:, 2]
+        profile = np.roll(field(PARAMS, line, flat.final_state)[1, :, 0], 24)  # -cos θ instead of sin θ
+        assert np.abs(profile).max() > 0.97
+        assert np.abs(found - profile).max() < bound
