@@ -53,6 +53,8 @@ class Regime:
         ('cyclosis', 'two stripes along the whole cell', array([0.5, 0.5]))
         >>> round(found.order, 4), found.settled, found.zones.shape, found.drift.shape
         (0.6364, False, (2,), (2,))
+        >>> found.details["stripe widths"]
+        '0.5000 : 0.5000'
     """
 
     name: str

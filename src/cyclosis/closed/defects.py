@@ -24,6 +24,11 @@ class Defect:
 
     `theta` is its angle in radians and `s` its arc length from the south pole, in radii. An aster, a vortex
     and a spiral have index 1; a saddle has -1.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> cy.closed.Defect(index=-1, theta=0.0, s=2.5).index
+        -1
     """
 
     index: int

@@ -44,6 +44,18 @@ class ClosedGrid:
         ((36, 18), (3, 36, 18), 4.0)
         >>> grid.mean(grid.xyz[2] ** 2).round(12)
         np.float64(0.333333333333)
+        >>> grid.theta.shape, grid.s.shape, bool(np.allclose(grid.r**2 + grid.z**2, 1.0))
+        ((36,), (18,), True)
+        >>> bool(np.allclose(np.cross(grid.e_theta, grid.e_s, axis=0), grid.normal))
+        True
+        >>> round(float(grid.weights.sum() / grid.area), 12), grid.points.area.shape
+        (1.0, (18,))
+        >>> round(float(grid.meridian.k_s[0]), 12), grid.tables.rate[0, :3].round(6)  # l (l + 1) - 1
+        (1.0, array([ 1.,  5., 11.]))
+        >>> grid.check_state(np.ones((2, 36, 18)), bounded=True)
+        Traceback (most recent call last):
+            ...
+        cyclosis.model.errors.InputError: max |P| of state = 1.41421 cannot be used: ...
     """
 
     surface: Shape = field(default_factory=Capsule)

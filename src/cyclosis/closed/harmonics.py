@@ -21,8 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.fft import dct
-from scipy.linalg import eigh
 
 from .jacobi import weighted_jacobi
 from .shapes import Meridian, Shape
@@ -98,11 +96,15 @@ def harmonics(shape: Shape, k_max: float) -> list[Harmonics]:
 def _waves(shape: Shape) -> int:
     """Return how many waves in τ the curvature along the meridian has: many where it changes sharply."""
     at = shape.meridian(np.pi * (np.arange(1024) + 0.5) / 1024)
+    from scipy.fft import dct  # slow to load, as is scipy.linalg
+
     waves = np.abs(dct(at.k_s * at.speed))
     return int(np.flatnonzero(waves > NEGLIGIBLE * waves.max()).max())
 
 
 def _harmonics_of(m: int, points: Weighted, count: int, k_max: float) -> Harmonics:
+    from scipy.linalg import eigh
+
     at, area = points.meridian, points.area[:, None]
     p, dp = functions(points, vector_powers(m), count)
     turn = ((m - at.slope) / at.r)[:, None] * p

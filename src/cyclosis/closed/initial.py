@@ -73,7 +73,17 @@ def disordered(grid: ClosedGrid, filaments_per_square: float = 1000, seed: int =
 def with_noise(
     state: npt.ArrayLike, grid: ClosedGrid, filaments_per_square: float = 1000, seed: int = 0
 ) -> Array:
-    """Return a state with `noise` added. Raises `InputError` where |P| > 1 then."""
+    """Return a state with `noise` added. Raises `InputError` where |P| > 1 then.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=8)
+        >>> start = cy.closed.rotation(grid)
+        >>> noisy = cy.closed.with_noise(start, grid, seed=2)
+        >>> bool(np.allclose(noisy - start, cy.closed.noise(grid, seed=2)))
+        True
+    """
     noisy = grid.check_state(state) + noise(grid, filaments_per_square, seed)
     return grid.check_state(noisy, "the initial state", bounded=True)
 
@@ -83,6 +93,14 @@ def from_vectors(grid: ClosedGrid, field: npt.ArrayLike) -> Array:
     """Return the tangent part (2, n_theta, n_s) of a vector field (3, n_theta, n_s) in space.
 
     A smooth field in space gives a smooth one on the surface, also at the poles.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=8)
+        >>> P = cy.closed.from_vectors(grid, grid.e_s)
+        >>> bool(np.allclose(P[0], 0)), bool(np.allclose(P[1], 1))
+        (True, True)
     """
     given = np.asarray(field, dtype=np.float64)
     return np.stack([np.sum(given * grid.e_theta, axis=0), np.sum(given * grid.e_s, axis=0)])
@@ -94,6 +112,14 @@ def source_to_sink(grid: ClosedGrid, magnitude: float = 0.9) -> Array:
 
     Its defects are a source at the south pole and a sink at the north. Raises `InputError` for a magnitude
     outside [0, 1], as do the two functions below.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=8)
+        >>> P = cy.closed.source_to_sink(grid, magnitude=0.5)
+        >>> bool(np.allclose(P[1], 0.5 * grid.r))
+        True
     """
     size = definition("initial", "magnitude").check(magnitude)
     axis = np.zeros((3, *grid.shape))
@@ -103,7 +129,14 @@ def source_to_sink(grid: ClosedGrid, magnitude: float = 0.9) -> Array:
 
 @door
 def swirl(grid: ClosedGrid, magnitude: float = 0.9) -> Array:
-    """Return filaments around the axis, P = magnitude r e_theta, in proportion to the distance from it."""
+    """Return filaments around the axis, P = magnitude r e_theta, in proportion to the distance from it.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.ClosedGrid(cy.Spheroid(aspect=2.0), k_max=8)
+        >>> cy.regime(cy.Parameters(), grid, cy.closed.swirl(grid)).name
+        'swirl'
+    """
     size = definition("initial", "magnitude").check(magnitude)
     return np.stack([size * grid.r * np.ones(grid.shape), np.zeros(grid.shape)])
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import gammaln
 
 Array = npt.NDArray[np.float64]
 
@@ -21,6 +20,8 @@ def weighted_jacobi(x: Array, alpha: int, beta: int, count: int) -> tuple[Array,
     By the three-term recurrence of orthonormal polynomials (DLMF 18.9), which starts from the weighted
     function itself, so that nothing overflows.
     """
+    from scipy.special import gammaln  # slow to load
+
     n = np.arange(count + 1, dtype=np.float64)
     total = 2 * n + alpha + beta
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -55,8 +55,11 @@ class Spheroid:
 
     Example:
         >>> import cyclosis as cy
-        >>> round(cy.Spheroid(aspect=2.0).meridian_length, 6)  # half the perimeter of an ellipse
-        4.844224
+        >>> shape = cy.Spheroid(aspect=2.0)
+        >>> round(shape.meridian_length, 6), shape.half_height  # half the perimeter of an ellipse
+        (4.844224, 2.0)
+        >>> shape.table, round(float(shape.meridian([0.0]).k_s[0]), 6)  # the curvature of its pole
+        ({'kind': 'spheroid', 'aspect': 2.0}, 2.0)
     """
 
     aspect: float = 2.0
@@ -102,8 +105,8 @@ class Sphere:
 
     Example:
         >>> import cyclosis as cy
-        >>> cy.Sphere().table
-        {'kind': 'sphere'}
+        >>> cy.Sphere().table, float(cy.Sphere().meridian([1.0]).k_theta[0])
+        ({'kind': 'sphere'}, 1.0)
     """
 
     kind: ClassVar[str] = "sphere"
@@ -140,6 +143,8 @@ class Capsule:
         >>> cell = cy.Capsule(length=5.0, smoothing=0.4)
         >>> round(cell.half_width, 9), round(cell.meridian_length, 8), round(cell.half_height, 3)
         (1.506123625, 8.01224725, 3.454)
+        >>> round(float(cell.meridian([1.5]).r[0]), 3), cell.table["smoothing"]
+        (1.0, 0.4)
     """
 
     length: float = 5.0

@@ -29,6 +29,14 @@ def draw_closed_history(dataset: xarray.Dataset, width: float, draw_speed: Draw,
     are left out. On the right are P_s and u_s of the last frame around the middle of the cell, against theta.
     On a sphere, where theta has no meaning, it is the circulation of the flow, and the share of <|u|²> that
     a rigid rotation explains.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures.history import history
+        >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=6)
+        >>> run = cy.simulate(cy.Parameters(), grid, cy.closed.rotation(grid), t_end=2.0)
+        >>> history(run.to_dataset()).get_size_inches()[0].round(1)  # drawn by draw_closed_history
+        np.float64(7.1)
     """
     grid = closed_grid(dataset)
     figure, panel = panels(width, 2)

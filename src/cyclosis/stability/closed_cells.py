@@ -34,7 +34,14 @@ CLOSE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class AxialState:
-    """A steady state that does not depend on θ: `P` (2, n_theta, n_s), its `modes`, and the rest of dP/dt."""
+    """A steady state that does not depend on θ: `P` (2, n_theta, n_s), its `modes`, and the rest of dP/dt.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> grid = cy.ClosedGrid(cy.Sphere(), k_max=4)
+        >>> cy.stability.source_to_sink(cy.Parameters(), grid).P.shape
+        (2, 20, 10)
+    """
 
     P: Array
     modes: npt.NDArray[np.complex128]
@@ -120,6 +127,14 @@ def azimuthal_rates(
 
     Complex, in decreasing order of their real parts; dimensionless (per R/U). `terms` linearises a part of
     the equation alone. Raises `InputError` for a state that depends on θ, and for an m without harmonics.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.ClosedGrid(cy.Sphere(), k_max=8)
+        >>> state = cy.stability.source_to_sink(params, grid)
+        >>> rates = cy.stability.azimuthal_rates(params, grid, state.P, m=1)
+        >>> bool(rates[0].real > 0.1)  # a source that is displaced goes on moving
+        True
     """
     most = len(grid.tables.modes) - 1
     m = whole("m", m, 0, most, "m = 0 is a perturbation that does not depend on theta either")

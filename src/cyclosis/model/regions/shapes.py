@@ -31,6 +31,8 @@ class Region:
         (disc (theta = 3, z = 2.5, radius = 0.5) and all but band (axis = z, start = 0, stop = 2.5))
         >>> bool((disc | ~disc).mask(grid).all()), bool((disc & ~disc).mask(grid).any())
         (True, False)
+        >>> bool((disc.covers(grid) == disc.mask(grid)).all())
+        True
         >>> disc.as_table(), bool(disc.inside(3.0, 2.9, grid.length))
         ({'shape': 'disc', 'theta': 3.0, 'z': 2.5, 'radius': 0.5}, True)
         >>> cy.regions.disc(3.0, 7.0, 0.5).check(grid)
