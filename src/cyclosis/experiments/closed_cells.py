@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,14 +49,19 @@ def k_max(alpha_p: float, alpha_u: float) -> float:
 
 
 @cache
-def surface(shape: str, k: float) -> ClosedGrid | CylinderGrid:
-    """Return the grid of a shape in words: "capsule 5", "spheroid 3", "sphere" or "cylinder 5"."""
+def closed_surface(shape: str, k: float) -> ClosedGrid:
+    """Return the grid of a closed shape in words: "capsule 5", "spheroid 3" or "sphere"."""
     kind, *size = shape.split()
-    if kind == "cylinder":
-        length = float(size[0])
-        return CylinderGrid(48, max(48, 2 * round(5 * length)), length)
     made: dict[str, Any] = {"capsule": Capsule, "spheroid": Spheroid, "sphere": Sphere}
     return ClosedGrid(made[kind](*map(float, size)), k)
+
+
+def surface(shape: str, k: float) -> ClosedGrid | CylinderGrid:
+    """Return the grid of a shape in words, also "cylinder 5"."""
+    kind, size = shape.split()
+    if kind != "cylinder":
+        return closed_surface(shape, k)
+    return CylinderGrid(48, max(48, 2 * round(5 * float(size))), float(size))
 
 
 def model_of(shape: str, repulsion: str) -> Model:
@@ -78,7 +83,7 @@ def ends(
     grid, model = surface(shape, k), model_of(shape, repulsion)
     params = Parameters(alpha_p=alpha_p, alpha_u=alpha_u)
     seeds = range(first, first + count)
-    members = [Member(params, grid, lambda seed=seed: start(grid, seed), model=model) for seed in seeds]
+    members = [Member(params, grid, partial(start, grid, seed), model=model) for seed in seeds]
     how = EnsembleSettings(t_end=late, finish="t_end", rtol=1e-3, lanes=min(LANES, count))
     return np.array([_end(model, params, grid, outcome) for outcome in follow(members, how)])
 

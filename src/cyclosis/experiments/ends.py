@@ -7,17 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.stats
 import xarray
+from matplotlib.colors import ListedColormap
 
 from .. import models, stability
 from ..closed.grid import Array, ClosedGrid
 from ..dynamics.simulate import simulate
+from ..figures.regime_maps import COLOURS as REGIME_COLOURS
+from ..figures.story import Panel, reference, story
+from ..figures.style import DOWN, INK, UP
 from ..model.errors import InputError
 from ..model.filaments import TERMS
 from ..model.parameters import Parameters
+from ..models.closed.states import REGIMES
 from ..models.fields import flow
 from . import closed_cells, closed_views
-from .closed_cells import End, surface
+from .closed_cells import End, closed_surface
 from .experiment import AGREES, DOES_NOT, IN_PART, Experiment, Verdict
 from .lab import Lab
 
@@ -70,7 +76,7 @@ def growth(
 
     The second and third are the two largest of m = 1; each comes twice, in two directions.
     """
-    params, grid = Parameters(alpha_p=alpha_p, alpha_u=alpha_u, epsilon=epsilon), surface(shape, k)
+    params, grid = Parameters(alpha_p=alpha_p, alpha_u=alpha_u, epsilon=epsilon), closed_surface(shape, k)
     try:
         state = stability.source_to_sink(params, grid, repulsion)
     except InputError:
@@ -86,8 +92,8 @@ def pushed(shape: str, alpha_p: float, alpha_u: float, rank: int) -> Array:
     The push is u·X/|X|², with u the flow over the pole and X the displacement of the defect there: about it
     P = c x, so that δP = -c X.
     """
-    params, grid = Parameters(alpha_p=alpha_p, alpha_u=alpha_u), surface(shape, 16.0)
-    assert isinstance(grid, ClosedGrid)
+    params = Parameters(alpha_p=alpha_p, alpha_u=alpha_u)
+    grid: Any = closed_surface(shape, 16.0)
     state = stability.source_to_sink(params, grid).P
     found = stability.azimuthal_mode(params, grid, state, 1, rank)
     two = [flow(params, grid, state + sign * SMALL * found.P) for sign in (1, -1)]
@@ -110,8 +116,8 @@ def _at_pole(grid: ClosedGrid, P: Array, change: Array, u: Array, pole: int) -> 
 
 def view(shape: str, alpha_p: float, alpha_u: float, late: float) -> Array:
     """Return the picture of a cell from disorder at a time."""
-    params, grid = Parameters(alpha_p=alpha_p, alpha_u=alpha_u), surface(shape, 16.0)
-    assert isinstance(grid, ClosedGrid)
+    params = Parameters(alpha_p=alpha_p, alpha_u=alpha_u)
+    grid: Any = closed_surface(shape, 16.0)
     begin = closed_cells.start(grid, 0)
     P = simulate(params, grid, begin, late, save_every=late, rtol=1e-3, model=models.closed).final_state
     return closed_views.seen(grid, P, flow(params, grid, P), closed_views.facing(grid, P))
@@ -230,3 +236,276 @@ def _views(lab: Lab) -> xarray.Dataset:
     return xarray.Dataset(
         {"picture": (("frame", "field", "across", "up"), seen)}, {"field": list(closed_views.FIELDS)}
     )
+
+
+# Judged
+
+KINDS = ("one stream", "two streams", "other")
+SURE = 0.05
+"""Level of the tests whether ends differ, together over all kinds, shapes and places."""
+SETTLED = 1e-3
+"""Relative rate of change up to which an end is settled."""
+NONE = -1
+
+
+def kinds(ends: xarray.DataArray) -> npt.NDArray[np.int64]:
+    """Return the numbers in `KINDS` of `End`s (..., number), shape (...); `NONE` where there are none."""
+    regime = ends.sel(number="regime").values
+    one, two = (regime == REGIMES.index(name) for name in ("source-to-sink", "cyclosis"))
+    return np.where(np.isnan(regime), NONE, np.select([one, two], [0, 1], 2))
+
+
+def counts(found: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Return how many of kinds (..., seed) are of each, (..., kind)."""
+    return np.stack([(found == kind).sum(axis=-1) for kind in range(len(KINDS))], axis=-1)
+
+
+def differs(data: xarray.Dataset, shape: str) -> npt.NDArray[np.bool_]:
+    """Return where over both rates a shape's ends differ from the cylinder's by more than chance.
+
+    Fisher's exact test for every kind, at the level `SURE` divided by the number of kinds, closed shapes and
+    places (Bonferroni).
+    """
+    number = counts(kinds(data["end"].transpose("shape", "alpha_p", "alpha_u", "seed", "number")))
+    ours, theirs = (number[list(data["shape"].values).index(each)] for each in (shape, CYLINDER))
+    level = SURE / (len(KINDS) * (number.shape[0] - 1) * number.shape[1] * number.shape[2])
+    p = np.array(
+        [[fisher(*pair) for pair in zip(*row, strict=True)] for row in zip(ours, theirs, strict=True)]
+    )
+    return np.asarray(p < level)
+
+
+def fisher(ours: npt.NDArray[np.int64], theirs: npt.NDArray[np.int64]) -> float:
+    """Return the least p-value, over kinds, that counts of two shapes (kind,) have one share of it."""
+    tables = [
+        [[ours[kind], ours.sum() - ours[kind]], [theirs[kind], theirs.sum() - theirs[kind]]]
+        for kind in range(len(KINDS))
+    ]
+    return min(float(scipy.stats.fisher_exact(table).pvalue) for table in tables)
+
+
+def regions(data: xarray.Dataset) -> dict[str, npt.NDArray[np.bool_]]:
+    """Return where over both rates all cylinders have two streams, "C", and where some have, "C/U"."""
+    number = counts(kinds(data["end"].sel(shape=CYLINDER).transpose("alpha_p", "alpha_u", "seed", "number")))
+    two, whole = number[..., 1], number.sum(axis=-1)
+    return {"C": two == whole, "C/U": (two > 0) & (two < whole)}
+
+
+def share(data: xarray.Dataset, shape: str, where: npt.NDArray[np.bool_], kind: int) -> tuple[int, int]:
+    """Return how many cells of a shape at some places are of a kind, and of how many."""
+    found = counts(kinds(data["end"].sel(shape=shape).transpose("alpha_p", "alpha_u", "seed", "number")))
+    return int(found[where][:, kind].sum()), int(found[where].sum())
+
+
+def unsettled(data: xarray.Dataset, shape: str) -> int:
+    """Return how many cells of a shape still change at the end."""
+    return int((data["end"].sel(shape=shape, number="rate").values > SETTLED).sum())
+
+
+def transient(data: xarray.Dataset, shape: str) -> tuple[int, int]:
+    """Return how many cells with one stream in the end are unstable, and of how many with one stream."""
+    found = kinds(data["end"].sel(shape=shape).transpose("alpha_p", "alpha_u", "seed", "number"))
+    grows = data["growth"].sel(closed=shape).transpose("alpha_p", "alpha_u", "wave").max("wave").values > 0
+    one = (found == 0).sum(axis=-1)
+    return int(one[grows].sum()), int(one.sum())
+
+
+def onset(data: xarray.Dataset, alpha_u: float) -> float:
+    """Return the ε above which one stream is unstable on the capsule, by a straight line; NaN if none."""
+    rate = data["over_epsilon"].sel(without="nothing", wave="displaced").sel(weak_alpha_u=alpha_u).values
+    epsilon = data["epsilon"].values
+    at = int(np.argmax(rate > 0))
+    if rate[at] <= 0 or at == 0:
+        return np.nan
+    low, high = rate[at - 1], rate[at]
+    return float(epsilon[at - 1] - low * (epsilon[at] - epsilon[at - 1]) / (high - low))
+
+
+def _line_in_words(data: xarray.Dataset, alpha_u: float) -> str:
+    """Return the share of two streams at one place of the line, for every shape and repulsion."""
+    line = data["line"].transpose("other", "line_alpha_u", "line_seed", "number")
+    found = kinds(line.sel(line_alpha_u=alpha_u))
+    words = [
+        f"{int((row == 1).sum())} of {int((row != NONE).sum())} ({name.replace(', principal', '')})"
+        for name, row in zip(data["other"].values, found, strict=True)
+    ]
+    return ", ".join(words)
+
+
+def _stable(data: xarray.Dataset, shape: str) -> tuple[int, int]:
+    """Return at how many places one stream is stable on a closed shape, and of how many."""
+    rate = data["growth"].sel(closed=shape).max("wave", skipna=False).values
+    return int((rate < 0).sum()), int(np.isfinite(rate).sum())
+
+
+def _pushed_in_words(data: xarray.Dataset) -> str:
+    sink, source, other = (
+        data["parts"].sel(pushed=name, defect=which).to_series()
+        for name, which in (
+            ("capsule 5, 0.5, 0", "displaced"),
+            ("capsule 5, 0.5, 0", "second"),
+            ("spheroid 3, 0.5, 0.025", "displaced"),
+        )
+    )
+    rest = sink["rate"] - sink["advection"] - sink["shear"]
+    return (
+        f"a displaced sink has more filaments behind it, which point after it, than before it, so that flow "
+        f"over the pole follows it, at {sink['push']:.2f} of its displacement, and carries it on: at "
+        f"(0.5, 0) it grows at {sink['rate']:.4f}, {sink['advection']:.4f} of it by advection, {sink['shear']:.4f} by "
+        f"shear, {rest:.4f} by all else. A source is pushed back ({source['push']:.2f}, "
+        f"{source['rate']:.4f}). In pointed ends repulsion, {other['repulsion']:.2f}, holds a sink against a "
+        f"push of {other['push']:.2f}"
+    )
+
+
+def _fine_in_words(data: xarray.Dataset) -> str:
+    found = kinds(data["fine"].transpose("point", "fine_seed", "number"))
+    places = zip(data["point_alpha_p"].values, data["point_alpha_u"].values, found, strict=True)
+    return ", ".join(f"{(row == 1).sum()} of {row.size} at ({p:g}, {u:g})" for p, u, row in places)
+
+
+def verdict(data: xarray.Dataset) -> Verdict:
+    """Judge: whether closed cells end as the cylinder does, at least where that always has two streams."""
+    apart = {shape: differs(data, shape) for shape in SHAPES[1:]}
+    where = regions(data)
+    both = apart[CAPSULE] | apart[SPHEROID]
+
+    def of(shape: str, region: str, kind: int) -> str:
+        return "{} of {}".format(*share(data, shape, where[region], kind))
+
+    middle = float(data["line_alpha_u"].values[np.argmin(np.abs(data["line_alpha_u"].values - 0.025))])
+    total = {shape: share(data, shape, np.ones_like(both), 1)[1] for shape in SHAPES}
+    late = ", ".join(f"{unsettled(data, shape)} of {total[shape]} {shape.split()[0]}s" for shape in SHAPES)
+    lasting = {shape: _stable(data, shape) for shape in SHAPES[1:]}
+    passing = "{} of {} capsules and {} of {} spheroids".format(
+        *transient(data, CAPSULE), *transient(data, SPHEROID)
+    )
+    text = (
+        f"where all cylinders have two streams ({int(where['C'].sum())} places) so have "
+        f"{of(CAPSULE, 'C', 1)} capsules and {of(SPHEROID, 'C', 1)} spheroids. Where cylinders have either "
+        f"({int(where['C/U'].sum())} places) {of(CYLINDER, 'C/U', 1)} of them, but {of(CAPSULE, 'C/U', 1)} "
+        f"capsules and {of(SPHEROID, 'C/U', 1)} spheroids have two; {of(SPHEROID, 'C/U', 0)} spheroids have "
+        f"one stream and {of(SPHEROID, 'C/U', 2)} another end. Capsules differ beyond chance at "
+        f"{int(apart[CAPSULE].sum())} and spheroids at {int(apart[SPHEROID].sum())} of {both.size} places, "
+        f"{int((both & where['C']).sum())} of them where all cylinders have two streams. Still changing at "
+        f"the end: {late}. One stream, from source to sink without flow, is stable at "
+        f"{lasting[CAPSULE][0]} of {lasting[CAPSULE][1]} places on the capsule and {lasting[SPHEROID][0]} of "
+        f"{lasting[SPHEROID][1]} on the spheroid, and unstable in {passing} that have it. On the capsule it "
+        f"is unstable above ε = {onset(data, 0.0):.3f} at (0.5, 0): {_pushed_in_words(data)}. At "
+        f"(0.5, {middle:g}) two streams are in {_line_in_words(data, middle)}. At k_max {FINE:g} capsules "
+        f"have them in {_fine_in_words(data)}"
+    )
+    if not both.any():
+        return Verdict(AGREES, text)
+    certain = both[where["C"]]
+    return Verdict(IN_PART if certain.mean() <= 0.5 else DOES_NOT, text)
+
+
+def decisive(data: xarray.Dataset) -> str:
+    """Return the shares of two streams where cylinders have one or two."""
+    mixed = regions(data)["C/U"]
+    capsule, spheroid, cylinder = (
+        f"{100 * np.divide(*share(data, shape, mixed, 1)):.0f} %" for shape in (CAPSULE, SPHEROID, CYLINDER)
+    )
+    return (
+        f"{capsule} of capsules and {spheroid} of spheroids get two streams where {cylinder} of cylinders do"
+    )
+
+
+# Drawn
+
+COLOURS = tuple(REGIME_COLOURS[name][0] for name in ("unidirectional", "cyclosis", "undecided"))
+DEEP = 20
+"""Stripes of a place in a map: the least common multiple of numbers of seeds."""
+
+
+def draw(data: xarray.Dataset) -> Figure:
+    """Draw four closed cells, the ends of every shape over both rates, and growth over ε."""
+    titles = [f"{shape.split()[0]}, ({alpha_p:g}, {alpha_u:g})" for shape, alpha_p, alpha_u in SHOWN]
+    shown = [
+        closed_views.drawn(title, picture)
+        for title, picture in zip(titles, data["picture"].values, strict=True)
+    ]
+
+    def plane(shape: str) -> Callable[[Any], None]:
+        def drawn(ax: Any) -> None:
+            found = kinds(data["end"].sel(shape=shape).transpose("alpha_u", "alpha_p", "seed", "number"))
+            rows, columns = found.shape[:2]
+            stripes = np.array([[_stripes(place) for place in row] for row in found]).reshape(rows, -1)
+            ax.imshow(
+                np.ma.masked_equal(stripes, NONE), cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=2.5,
+                extent=(0, columns, 0, rows), origin="lower", aspect="auto", interpolation="nearest",
+            )  # fmt: skip
+            ax.set(xticks=np.arange(columns + 1), yticks=np.arange(rows + 1))
+            ax.grid(color="white", linewidth=1.0)
+            ax.tick_params(length=0, labelbottom=False, labelleft=False)
+            for axis, name in ((ax.xaxis, "alpha_p"), (ax.yaxis, "alpha_u")):
+                values = data[name].values
+                named = [0, len(values) // 2, len(values) - 1] if len(values) > 3 else range(len(values))
+                for k in named:
+                    at, text = k + 0.5, f"{values[k]:g}"
+                    if axis is ax.xaxis:
+                        ax.text(at, -0.15, text, ha="center", va="top", fontsize=8)
+                    else:
+                        ax.text(-0.1, at, text, ha="right", va="center", fontsize=8)
+            ax.spines[:].set_visible(False)
+            if shape != CYLINDER:
+                for i, j in np.argwhere(differs(data, shape)):
+                    ax.plot(i + 0.5, j + 0.5, "o", color=INK, markersize=2.2)
+            ax.set_title(shape.split()[0], fontsize=9.0, pad=3.0)
+            ax.set_xlabel("α$_p$", labelpad=9.0)
+            ax.set_ylabel("α$_u$", labelpad=15.0)
+
+        return drawn
+
+    def grows(ax: Any) -> None:
+        rate = data["over_epsilon"].sel(wave="displaced")
+        lines = (
+            ("nothing", UP, "-", "all terms"),
+            ("advection", DOWN, "--", "no advection"),
+            ("shear", INK, ":", "no shear"),
+        )
+        for name, colour, dashes, label in lines:
+            values = rate.sel(without=name).isel(weak_alpha_u=0)
+            ax.plot(data["epsilon"], values, color=colour, linestyle=dashes, linewidth=1.2, label=label)
+        ax.axhline(0.0, color=INK, linewidth=0.5)
+        if np.isfinite(at := onset(data, 0.0)):
+            reference(ax, at, f"{at:.3f}", upright=True)
+        ax.set_xlim(0, float(data["epsilon"][-1]))
+        ax.set_xlabel("ε", labelpad=1.0)
+        ax.set_ylabel("growth, displaced sink", labelpad=1.0)
+        ax.legend(fontsize=7.5, frameon=False, loc="upper left", borderpad=0, handlelength=1.6)
+
+    panels = [*(Panel(plane(shape)) for shape in SHAPES), Panel(grows, 1.25)]
+    return story(shown, panels, str(verdict(data)), width=200.0)
+
+
+def _stripes(place: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Return kinds of one place in order, `DEEP` of them in their shares; `NONE` where none is known."""
+    known = np.sort(place[place != NONE])
+    if not known.size:
+        return np.full(DEEP, NONE)
+    return np.asarray(known[(np.arange(DEEP) * known.size) // DEEP])
+
+
+EXPERIMENT = Experiment(
+    name="ends",
+    headline="Zero net flux stands in for the ends of a cell.",
+    claim="The ends of a cell must be acknowledged, either by modelling their geometry or, as the paper "
+    "does, qualitatively, by the constraint of zero net flux along a periodic cylinder.",
+    source="Model (hydrodynamics)",
+    method="The model is integrated from disorder to t = 400 on closed surfaces, on which flux through every "
+    "circle around the cell vanishes by itself: a capsule of length 5 between rounded ends and a spheroid "
+    "three times as long as wide, whose ends are pointed, and on the paper's cylinder, with one density of "
+    "filaments, over a plane of rates (10 seeds, 20 of the cylinder). Ends differ where Fisher's exact test, "
+    "corrected for all kinds, shapes and places, is below 0.05. Other lengths and forms of repulsion are "
+    "followed at α_p = 0.5. Growth of perturbations of one stream from end to end is that of its linearised "
+    "equation, taken apart by terms. The constraint is good in part if ends differ, but at half at most of "
+    "the places where all cylinders have two streams.",
+    seeds=10,
+    quick_seeds=2,
+    measure=measure,
+    verdict=verdict,
+    decisive=decisive,
+    draw=draw,
+)

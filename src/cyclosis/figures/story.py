@@ -136,7 +136,7 @@ def _seen(shown: Sequence[Cell], same_view: bool) -> Iterator[Drawn]:
         box = cylinder.extent(cell.length)
         grid = CylinderGrid(cell.P.shape[1], cell.P.shape[2], cell.length)
         angle = view if same_view else facing_zone(cell.P)
-        how = {"view_angle": angle, "peak_speed": max(peak, 1e-6)}
+        how: dict[str, Any] = {"view_angle": angle, "peak_speed": max(peak, 1e-6)}
         draw = partial(cylinder.draw, grid=grid, P=cell.P, u=cell.u, **how)
         yield Drawn(cell.title, draw, box[1] - box[0] + 0.06, box[3] - box[2] + 0.06)
 

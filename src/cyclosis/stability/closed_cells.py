@@ -46,7 +46,7 @@ def _system(
 ) -> ClosedSystem:
     model = closed_model(repulsion)
     made: Any = model.system(model.problem(params, grid, terms), True)
-    return made  # type: ignore[no-any-return]
+    return made
 
 
 @jax.jit
@@ -123,7 +123,7 @@ def azimuthal_rates(
     """
     P = _checked(grid, state, m)
     matrix = _matrix(_system(params, grid, repulsion, terms), P, _places(grid, m))
-    rates = np.linalg.eigvals(matrix)
+    rates = np.linalg.eigvals(matrix).astype(np.complex128)
     return rates[np.argsort(-rates.real)]
 
 
