@@ -351,10 +351,10 @@ def _pushed_in_words(data: xarray.Dataset) -> str:
     return (
         f"a displaced sink has more filaments behind it, which point after it, than before it, so that flow "
         f"over the pole follows it, at {sink['push']:.2f} of its displacement, and carries it on: at "
-        f"(0.5, 0) it grows at {sink['rate']:.4f}, {sink['advection']:.4f} of it by advection, {sink['shear']:.4f} by "
-        f"shear, {rest:.4f} by all else. A source is pushed back ({source['push']:.2f}, "
-        f"{source['rate']:.4f}). In pointed ends repulsion, {other['repulsion']:.2f}, holds a sink against a "
-        f"push of {other['push']:.2f}"
+        f"(0.5, 0) it grows at {sink['rate']:.4f}, {sink['advection']:.4f} of it by advection, "
+        f"{sink['shear']:.4f} by shear, {rest:.4f} by all else. A source is pushed back "
+        f"({source['push']:.2f}, {source['rate']:.4f}). In pointed ends repulsion, "
+        f"{other['repulsion']:.2f}, holds a sink against a push of {other['push']:.2f}"
     )
 
 

@@ -153,29 +153,21 @@ def azimuthal_mode(
     With m > 0 each comes twice, turned by a quarter of its wave: ranks 0 and 2 are two different ones. The
     rate is Σ l·L r over the terms' linear operators L, with l and r its left and right vectors, l·r = 1.
     Raises `InputError` as `azimuthal_rates` does, and for a rank that there is not.
-
-    Example:
-        >>> import cyclosis as cy
-        >>> grid, params = cy.ClosedGrid(cy.Capsule(2.0), k_max=8), cy.Parameters(alpha_p=0.5, alpha_u=0.05)
-        >>> state = cy.stability.source_to_sink(params, grid)
-        >>> found = cy.stability.azimuthal_mode(params, grid, state.P, 1)
-        >>> bool(abs(sum(found.parts.values()) - found.rate.real) < 1e-9), found.P.shape == state.P.shape
-        (True, True)
     """
     P, places = _checked(grid, state, m), _places(grid, m)
+    rank = whole("rank", rank, 0, 2 * len(places) - 1, "0 is the one that grows fastest")
     system = _system(params, grid, repulsion)
     rates, vectors = np.linalg.eig(_matrix(system, P, places))
-    rank = whole("rank", rank, 0, len(rates) - 1, "0 is the one that grows fastest")
     chosen = int(np.argsort(-rates.real)[rank])
     left, right = np.linalg.inv(vectors)[chosen], vectors[:, chosen]
     parts = {}
     for term in system.terms:
-        alone = _matrix(_system(params, grid, repulsion, [term]), P, places)
-        parts[term.name] = float((left @ alone @ right).real)
-    modes = np.zeros(system.space.keep.shape, complex)
-    for place, value in zip(places, right.real.reshape(-1, 2), strict=True):
-        modes[place] = complex(*value)
-    perturbation = system.state(modes)
+        alone = _system(params, grid, repulsion, [term])
+        real, imaginary = (
+            _columns(alone, P, [_modes(alone, places, part)]) for part in (right.real, right.imag)
+        )
+        parts[term.name] = float((left @ (_rows(real, places) + 1j * _rows(imaginary, places)))[0].real)
+    perturbation = system.state(_modes(system, places, right.real))
     size = np.sqrt(grid.mean(np.sum(perturbation**2, axis=0)))
     return AzimuthalMode(complex(rates[chosen]), perturbation / size, parts)
 
@@ -197,13 +189,27 @@ def _places(grid: ClosedGrid, m: int) -> list[tuple[int, int, int]]:
 
 def _matrix(system: ClosedSystem, P: Array, places: list[tuple[int, int, int]]) -> Array:
     """Return the derivative of the rate of change of harmonics, as real and imaginary parts in turn."""
-    directions = np.zeros((2 * len(places), *system.space.keep.shape), complex)
-    for number, place in enumerate(places):
-        directions[2 * number][place], directions[2 * number + 1][place] = 1.0, 1j
+    directions = [_modes(system, places, direction) for direction in np.eye(2 * len(places))]
+    return _rows(_columns(system, P, directions), places)
+
+
+def _modes(system: ClosedSystem, places: list[tuple[int, int, int]], parts: Array) -> Any:
+    """Return modes that have real and imaginary parts (2 n,) at n places."""
+    modes = np.zeros(system.space.keep.shape, complex)
+    for place, (real, imaginary) in zip(places, parts.reshape(-1, 2), strict=True):
+        modes[place] = complex(real, imaginary)
+    return modes
+
+
+def _columns(system: ClosedSystem, P: Array, directions: list[Any]) -> Any:
     with on_host():
-        columns = np.asarray(_pushed(jax.device_put(system), system.spectrum(P), directions))
+        return np.asarray(_pushed(jax.device_put(system), system.spectrum(P), np.array(directions)))
+
+
+def _rows(columns: Any, places: list[tuple[int, int, int]]) -> Array:
+    """Return real and imaginary parts (2 n, columns) of modes (columns, ...) at n places."""
     rows = np.array([columns[(slice(None), *place)] for place in places])
-    return np.stack([rows.real, rows.imag], axis=1).reshape(-1, len(directions))
+    return np.stack([rows.real, rows.imag], axis=1).reshape(2 * len(places), -1)
 
 
 @partial(jax.jit)
