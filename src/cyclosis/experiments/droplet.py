@@ -338,8 +338,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
         f"at first. Order is half there at t = {_time(ordered)}, circulation at {_time(began)}. Circulation "
         f"is stable (the largest growth rate is {still:.0e}, that of a turn of the axis, m up to "
         f"{WAVES[-1]}), and filaments from a source to a sink are not: a swirl grows at "
-        f"{float(others.sel(m=0)):.3f} and a displaced sink at {float(others.sel(m=1)):.3f}. With a cell's properties droplets smaller than "
-        f"{least:.2f} R have no order ({_small(data)}), and larger ones circulate, ever faster "
+        f"{float(others.sel(m=0)):.3f} and a displaced sink at "
+        f"{float(others.sel(m=1)):.3f}. With a cell's properties droplets smaller than {least:.2f} R have no order ({_small(data)}), and larger ones circulate, ever faster "
         f"({_sizes(data)})"
     )
     if share[0] < 0.5:
