@@ -339,7 +339,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
         f"is stable (the largest growth rate is {still:.0e}, that of a turn of the axis, m up to "
         f"{WAVES[-1]}), and filaments from a source to a sink are not: a swirl grows at "
         f"{float(others.sel(m=0)):.3f} and a displaced sink at "
-        f"{float(others.sel(m=1)):.3f}. With a cell's properties droplets smaller than {least:.2f} R have no order ({_small(data)}), and larger ones circulate, ever faster "
+        f"{float(others.sel(m=1)):.3f}. With a cell's properties droplets smaller than {least:.2f} R "
+        f"have no order ({_small(data)}), and larger ones circulate, ever faster "
         f"({_sizes(data)})"
     )
     if share[0] < 0.5:
@@ -426,7 +427,7 @@ EXPERIMENT = Experiment(
     "sink, by linearising. Three droplets each of 0.15 to 1.5 R have the same properties in physical units. "
     "Droplets do as claimed if more than 95 % circulate, all are steady, order and speed differ by less than "
     "0.001, and the axes pass two tests for a preferred direction.",
-    seeds=60,
+    seeds=40,
     quick_seeds=4,
     measure=measure,
     verdict=verdict,
