@@ -42,7 +42,7 @@ CYLINDER_SEEDS = 20
 """Seeds of cylinders, which are cheap."""
 LINE = 0.5
 """The α_p of the line on which more shapes and forms of repulsion are compared, over α_u."""
-ALONG, QUICK_ALONG = (0.0125, 0.025, 0.05, 0.1, 0.2), (0.025,)
+ALONG, QUICK_ALONG = (0.025, 0.05, 0.2), (0.025,)
 OTHERS = (
     *(("cylinder 2", PRINCIPAL), ("cylinder 7", PRINCIPAL), ("cylinder 10", PRINCIPAL)),
     *(("capsule 2", PRINCIPAL), ("capsule 10", PRINCIPAL)),
@@ -53,12 +53,14 @@ QUICK_OTHERS = (("cylinder 7", PRINCIPAL), ("capsule 2", PRINCIPAL))
 """A cylinder of length 7 is as long as a capsule of 5 with its ends."""
 FINE_POINTS, FINE = ((1.0, 0.5), (0.5, 0.05), (0.5, 0.025)), 24.0
 """Points at which capsules are computed again with a larger k_max."""
-EPSILON = (0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.075, 0.1, 0.15, 0.2)
+EPSILON = (0.0, 0.02, 0.04, 0.05, 0.075, 0.1, 0.15, 0.2)
 QUICK_EPSILON = (0.0, 0.05, 0.1)
 WEAK = (0.0, 0.025)
 """Values of α_u at which growth is computed over ε."""
 WITHOUT = ("", "advection", "shear")
-"""What is left out where growth is computed over ε."""
+"""What is left out where growth is computed over ε, at the first of these."""
+USUAL_K = 16.0
+"""The k_max at which growth is computed."""
 WAVES = ("swirl", "displaced", "second")
 """Perturbations of one stream from end to end: order around the axis (m = 0), and the first two of m = 1."""
 PUSHED = ((CAPSULE, 0.5, 0.0), (CAPSULE, 0.5, 0.025), (SPHEROID, 0.5, 0.025))
@@ -93,7 +95,7 @@ def pushed(shape: str, alpha_p: float, alpha_u: float, rank: int) -> Array:
     P = c x, so that δP = -c X.
     """
     params = Parameters(alpha_p=alpha_p, alpha_u=alpha_u)
-    grid: Any = closed_surface(shape, 16.0)
+    grid: Any = closed_surface(shape, USUAL_K)
     state = stability.source_to_sink(params, grid).P
     found = stability.azimuthal_mode(params, grid, state, 1, rank)
     two = [flow(params, grid, state + sign * SMALL * found.P) for sign in (1, -1)]
@@ -117,7 +119,7 @@ def _at_pole(grid: ClosedGrid, P: Array, change: Array, u: Array, pole: int) -> 
 def view(shape: str, alpha_p: float, alpha_u: float, late: float) -> Array:
     """Return the picture of a cell from disorder at a time."""
     params = Parameters(alpha_p=alpha_p, alpha_u=alpha_u)
-    grid: Any = closed_surface(shape, 16.0)
+    grid: Any = closed_surface(shape, USUAL_K)
     begin = closed_cells.start(grid, 0)
     P = simulate(params, grid, begin, late, save_every=late, rtol=1e-3, model=models.closed).final_state
     return closed_views.seen(grid, P, flow(params, grid, P), closed_views.facing(grid, P))
@@ -195,20 +197,18 @@ def _growth(lab: Lab) -> xarray.Dataset:
     rates = QUICK_RATES if lab.quick else RATES
     usual = float(Parameters().epsilon)
     items: list[tuple[Any, ...]] = [
-        (shape, PRINCIPAL, alpha_p, alpha_u, usual, "", closed_cells.k_max(alpha_p, alpha_u))
+        (shape, PRINCIPAL, alpha_p, alpha_u, usual, "", USUAL_K)
         for shape in SHAPES[1:]
         for alpha_p in rates[0]
         for alpha_u in rates[1]
     ]
     plane = np.reshape(lab.kept("growth", growth, items), (2, len(rates[0]), len(rates[1]), len(WAVES)))
     epsilon = QUICK_EPSILON if lab.quick else EPSILON
-    items = [
-        (CAPSULE, PRINCIPAL, LINE, alpha_u, value, without, 16.0)
-        for without in WITHOUT
-        for alpha_u in WEAK
-        for value in epsilon
-    ]
-    over = np.reshape(lab.kept("growth", growth, items), (len(WITHOUT), len(WEAK), len(epsilon), len(WAVES)))
+    over = np.full((len(WITHOUT), len(WEAK), len(epsilon), len(WAVES)), np.nan)
+    known = [place for place in np.ndindex(over.shape[:3]) if place[0] == 0 or place[1] == 0]
+    items = [(CAPSULE, PRINCIPAL, LINE, WEAK[j], epsilon[k], WITHOUT[i], USUAL_K) for i, j, k in known]
+    for place, row in zip(known, lab.kept("growth", growth, items), strict=True):
+        over[place] = row
     items = [(*cell, rank) for cell in PUSHED for rank in (0, 2)]
     parts = np.reshape(lab.kept("parts", pushed, items), (len(PUSHED), 2, len(PARTS)))
     return xarray.Dataset(
