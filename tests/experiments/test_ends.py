@@ -68,7 +68,7 @@ def made(capsule=(ONE, None, TWO), spheroid=(ONE, None, TWO), growing=True):
     [
         (made(), "agrees"),
         (made(capsule=(TWO, TWO, TWO)), "in part"),
-        (made(spheroid=(ONE, ONE, TWO)), "agrees"),  # 10 of 10 and 10 of 20: p = 0.01
+        (made(spheroid=(ONE, ONE, TWO)), "in part"),  # 0 of 10 against 10 of 20: p = 0.009
         (made(spheroid=(OTHER, ONE, TWO)), "in part"),
         (made(spheroid=(ONE, None, ONE)), "does not"),
     ],
@@ -95,6 +95,14 @@ def test_ends_with_one_stream_that_grow_apart_are_transient():
     assert subject.transient(made(), subject.CAPSULE) == (15, 15)
     assert subject.transient(made(growing=False), subject.CAPSULE) == (0, 15)
     assert subject.onset(made(), 0.0) == pytest.approx(0.02)
+
+
+def test_seeds_are_compared_as_wholes():
+    assert subject.overall(made(), subject.CAPSULE) > 0.9
+    assert subject.overall(made(capsule=(ONE, ONE, TWO)), subject.CAPSULE) < 0.025
+    many = made(capsule=(ONE, ONE, TWO)).isel(alpha_p=[0] * 5)  # the same seeds at more places
+    assert subject.overall(many, subject.CAPSULE) > 1e-3
+    assert subject.overall(made().isel(alpha_u=[2]), subject.CAPSULE) == 1.0
 
 
 def test_the_test_is_fishers_for_the_kind_that_differs_most():

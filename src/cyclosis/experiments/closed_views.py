@@ -16,8 +16,6 @@ ACROSS, UP = 41, 81
 """Points of a picture, around the visible half and from pole to pole."""
 FIELDS = ("x", "y", "colour", "u_x", "u_y")
 """What a picture is made of, at every point: its place, polarity, and the flow, as seen."""
-EVERY = 8
-"""Points between two arrows."""
 COLOURS = ListedColormap([polarity_rgb(value) for value in np.linspace(-1, 1, 201)])
 
 
@@ -75,5 +73,5 @@ def _arrows(ax: Any, x: Array, y: Array, u_x: Array, u_y: Array) -> None:
             row = int(np.argmin(np.abs(x[:, column] - place)))
             ax.quiver(
                 x[row, column], y[row, column], u_x[row, column], u_y[row, column], color=INK, angles="xy",
-                scale_units="xy", scale=3.2, width=0.012, zorder=4,
+                scale_units="xy", scale=3.2, units="xy", width=0.028, zorder=4,
             )  # fmt: skip
