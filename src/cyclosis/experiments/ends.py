@@ -325,7 +325,7 @@ def unsettled(data: xarray.Dataset, shape: str) -> int:
 
 
 def transient(data: xarray.Dataset, shape: str) -> tuple[int, int]:
-    """Return how many cells with one stream in the end are unstable, and of how many, where growth is known."""
+    """Return how many cells that end with one stream are unstable, and of how many, where growth is known."""
     found = kinds(data["end"].sel(shape=shape).transpose("alpha_p", "alpha_u", "seed", "number"))
     rate = data["growth"].sel(closed=shape).transpose("alpha_p", "alpha_u", "wave").max("wave").values
     one = (found == 0).sum(axis=-1)
