@@ -42,16 +42,16 @@ CYLINDER_SEEDS = 20
 """Seeds of cylinders, which are cheap."""
 LINE = 0.5
 """The α_p of the line on which more shapes and forms of repulsion are compared, over α_u."""
-ALONG, QUICK_ALONG = (0.025, 0.05), (0.025,)
+ALONG, QUICK_ALONG = (0.025,), (0.025,)
 OTHERS = (
-    *(("cylinder 2", PRINCIPAL), ("cylinder 7", PRINCIPAL), ("cylinder 10", PRINCIPAL)),
-    *(("capsule 2", PRINCIPAL), ("capsule 10", PRINCIPAL)),
-    *((CAPSULE, "polynomial"), (CAPSULE, "bounded")),
-    *((SPHEROID, "polynomial"), (SPHEROID, "bounded")),
+    ("cylinder 2", PRINCIPAL),
+    ("cylinder 7", PRINCIPAL),
+    (CAPSULE, "bounded"),
+    (SPHEROID, "bounded"),
 )
 QUICK_OTHERS = (("cylinder 7", PRINCIPAL), ("capsule 2", PRINCIPAL))
 """A cylinder of length 7 is as long as a capsule of 5 with its ends."""
-FINE_POINTS, FINE = ((1.0, 0.5), (0.5, 0.05), (0.5, 0.025)), 24.0
+FINE_POINTS, FINE = ((0.5, 0.025),), 20.0
 """Points at which capsules are computed again with a larger k_max."""
 EPSILON = (0.0, 0.02, 0.04, 0.05, 0.075, 0.1, 0.15, 0.2)
 QUICK_EPSILON = (0.0, 0.05, 0.1)
