@@ -375,7 +375,10 @@ def decisive(data: xarray.Dataset) -> str:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Draw four droplets, how circulation begins, where axes point, and speed over size."""
-    shown = [closed_views.drawn(f"seed {k}", data["picture"].values[k]) for k in range(data.sizes["frame"])]
+    shown = [
+        closed_views.drawn(f"seed {seed}", picture)
+        for seed, picture in zip(SHOWN, data["picture"].values, strict=True)
+    ]
     time = data["time"].values
 
     def begins(ax: Any) -> None:
@@ -391,7 +394,7 @@ def draw(data: xarray.Dataset) -> Figure:
     def point(ax: Any) -> None:
         axis = axes(data["end"])
         longitude = np.degrees(np.arctan2(axis[:, 1], axis[:, 0]))
-        ax.plot(longitude, axis[:, 2], "o", color=INK, markersize=3.6)
+        ax.plot(longitude, axis[:, 2], "o", color=INK, markersize=3.6, clip_on=False)
         ax.set(xlim=(-180, 180), ylim=(-1, 1), xticks=[-180, 0, 180], yticks=[-1, 0, 1])
         ax.set_xlabel("longitude of the axis, degrees", labelpad=1.0)
         ax.set_ylabel("its z component", labelpad=1.0)
