@@ -88,7 +88,7 @@ def test_places_and_shares_are_counted():
     words = subject.verdict(data).measured
     assert "10 of 20 of them, but 10 of 10 capsules and 0 of 10 spheroids have two" in words
     assert "Capsules differ beyond chance at 1 and spheroids at 1 of 3 places, 0 of them" in words
-    assert subject.decisive(data).startswith("100 % of capsules and 0 % of spheroids")
+    assert subject.decisive(data).startswith("10 of 10 capsules and 0 of 10 spheroids")
 
 
 def test_ends_with_one_stream_that_grow_apart_are_transient():

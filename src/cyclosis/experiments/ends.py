@@ -429,11 +429,9 @@ def decisive(data: xarray.Dataset) -> str:
     """Return the shares of two streams where cylinders have one or two."""
     mixed = regions(data)["C/U"]
     capsule, spheroid, cylinder = (
-        f"{100 * np.divide(*share(data, shape, mixed, 1)):.0f} %" for shape in (CAPSULE, SPHEROID, CYLINDER)
+        "{} of {}".format(*share(data, shape, mixed, 1)) for shape in (CAPSULE, SPHEROID, CYLINDER)
     )
-    return (
-        f"{capsule} of capsules and {spheroid} of spheroids get two streams where {cylinder} of cylinders do"
-    )
+    return f"{capsule} capsules and {spheroid} spheroids get two streams where {cylinder} cylinders do"
 
 
 # Drawn
