@@ -146,7 +146,14 @@ def azimuthal_rates(
 class AzimuthalMode:
     """A perturbation that grows or decays: its `rate`, itself, `P` (2, n_theta, n_s), and the rate's `parts`.
 
-    `parts` has what every term contributes: their sum is the rate. P has a root mean square of 1.
+    `parts` has what every term contributes to its real part. P has a root mean square of 1.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> found = cy.stability.AzimuthalMode(0.1 + 0j, np.zeros((2, 8, 8)), {"shear": 0.1})
+        >>> sum(found.parts.values()) == found.rate
+        True
     """
 
     rate: complex
@@ -168,6 +175,14 @@ def azimuthal_mode(
     With m > 0 each comes twice, turned by a quarter of its wave: ranks 0 and 2 are two different ones. The
     rate is Σ l·L r over the terms' linear operators L, with l and r its left and right vectors, l·r = 1.
     Raises `InputError` as `azimuthal_rates` does, and for a rank that there is not.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.ClosedGrid(cy.Sphere(), k_max=8)
+        >>> state = cy.stability.source_to_sink(params, grid)
+        >>> found = cy.stability.azimuthal_mode(params, grid, state.P, m=1)
+        >>> found.P.shape, bool(abs(sum(found.parts.values()) - found.rate.real) < 1e-9)
+        ((2, 36, 18), True)
     """
     P, places = _checked(grid, state, m), _places(grid, m)
     rank = whole("rank", rank, 0, 2 * len(places) - 1, "0 is the one that grows fastest")
