@@ -24,7 +24,7 @@ GRID = cy.CylinderGrid(16, 16)
 PARAMS = cy.Parameters()
 STATE = cy.initial.stripes(GRID)
 CLOSED = cy.ClosedGrid(cy.Sphere(), k_max=4)
-ON_CLOSED = {"grid": CLOSED, "state": np.zeros((2, *CLOSED.shape)), "m": 1}
+ON_CLOSED = {"grid": CLOSED, "state": np.zeros((2, *CLOSED.shape)), "m": 1, "rank": 0}
 """Examples for the functions that take a closed grid alone."""
 MODULES = (
     *(cy, cy.stability, cy.stability.dispersion, cy.stability.elliptic, cy.stability.profile),

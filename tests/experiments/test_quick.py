@@ -7,6 +7,8 @@ import pytest
 
 from cyclosis.experiments import NAMES, perform
 from cyclosis.experiments.coalescence import crossing
+from cyclosis.experiments.droplet import off_theory, spread
+from cyclosis.experiments.ends import kinds
 from cyclosis.experiments.experiment import OUTCOMES
 from cyclosis.experiments.streaming_transport import deviations
 from cyclosis.experiments.vacuole_passive import as_predicted
@@ -137,6 +139,22 @@ def vacuole_passive(data):
     assert abs(data["grown"].sel(what="tilt").diff("way")).max() < 1e-6
     right, striped = as_predicted(data)
     assert right == striped > 0
+
+
+def ends(data):
+    assert set(np.unique(kinds(data["end"].sel(alpha_p=1.0, alpha_u=0.5)))) <= {-1, 1}
+    leading = data["over_epsilon"].sel(without="nothing", wave="displaced", weak_alpha_u=0.0)
+    assert leading.values == pytest.approx([-0.02459, 0.00139, 0.02452], abs=1e-4)
+    parts = data["parts"].drop_sel(part=["rate", "push"]).sum("part")
+    assert parts.values == pytest.approx(data["parts"].sel(part="rate").values, abs=1e-9)
+
+
+def droplet(data):
+    assert data["theory"].values == pytest.approx([0.966793, 0.915540, 1.114358, 1.0135], abs=1e-4)
+    assert off_theory(data, "end") < 1e-4
+    assert spread(data) < 1e-4
+    assert data["growth"].sel(state="circulation").max() < 1e-4
+    assert data["growth"].sel(state="source to sink").max() > 0.1
 
 
 CHECKS = {

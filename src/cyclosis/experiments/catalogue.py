@@ -26,6 +26,8 @@ NAMES = (
     "twist",
     "closure",
     "vacuole-passive",
+    "ends",
+    "droplet",
     "mixing",
     "streaming-transport",
 )
@@ -38,7 +40,7 @@ def experiment(name: str) -> Experiment:
     Example:
         >>> from cyclosis.experiments import NAMES, experiment
         >>> len(NAMES), experiment("recovery").source
-        (20, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
+        (22, 'Introduction (Foissner & Wasteneys 2000, 2007) and Figure 2')
     """
     chosen = choice("experiment", name, NAMES)
     module = import_module(f"{__package__}.{chosen.replace('-', '_')}")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -102,6 +105,17 @@ class Lab:
         futures = client.map(called, listed, pure=False, key=f"{label}-{id(listed)}")
         return list(client.gather(futures))
 
+    def kept(self, label: str, function: Callable[..., Any], items: Iterable[tuple[Any, ...]]) -> list[Any]:
+        """Return the same as `each` of a function that returns arrays, and keep each array in `folder`.
+
+        An interrupted experiment continues where it stopped. Items must be numbers, strings and tuples of
+        them: they name the file.
+        """
+        folder = self.folder / label
+        folder.mkdir(parents=True, exist_ok=True)
+        named = [(str(folder / f"{_digest(item)}.npy"), item) for item in items]
+        return self.each(label, partial(_kept, function), named)
+
     def story(
         self,
         params: Parameters,
@@ -121,6 +135,22 @@ class Lab:
             self._cluster = local_client(self._workers)
             self._client = self._cluster.__enter__()
         return self._client
+
+
+def _digest(item: tuple[Any, ...]) -> str:
+    return hashlib.sha256(repr(item).encode()).hexdigest()[:32]
+
+
+def _kept(function: Callable[..., Any], file: str, item: tuple[Any, ...]) -> Array:
+    """Return the array in a file, or compute it and write it there, completely or not at all."""
+    target = Path(file)
+    if not target.exists():
+        beside = target.with_suffix(f".{os.getpid()}.part")
+        with beside.open("wb") as written:
+            np.save(written, np.asarray(function(*item)))
+        beside.replace(target)
+    found: Array = np.load(target, allow_pickle=False)
+    return found
 
 
 def frames(run: Trajectory, times: Sequence[float]) -> xarray.Dataset:

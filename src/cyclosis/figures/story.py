@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import matplotlib
@@ -35,6 +36,16 @@ class Cell:
     length: float
 
 
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Another picture in the place of a cylinder: `draw(ax)` draws it, `across` and `up` radii large."""
+
+    title: str
+    draw: Callable[[Any], None]
+    across: float
+    up: float
+
+
 @dataclass(frozen=True)
 class Panel:
     """One panel of the figure: `draw(ax)` draws it, `share` is its width relative to the others'."""
@@ -51,13 +62,13 @@ def cells(dataset: xarray.Dataset, titles: Sequence[str]) -> list[Cell]:
 
 
 def story(
-    shown: Sequence[Cell],
+    shown: Sequence[Cell] | Sequence[Drawn],
     panels: Sequence[Panel],
     text: str = "",
     same_view: bool = True,
     width: float = WIDTH,
 ) -> Figure:
-    """Return the figure of cylinders in a row, panels below them, and a text at the foot.
+    """Return the figure of cylinders, or other pictures, in a row, panels below them, and a text at the foot.
 
     All cylinders are seen from the same side, on which the last shows a zone, unless `same_view` is False.
     Speeds are drawn on one scale. `width` is in millimetres. Raises `InputError` without panels.
@@ -101,20 +112,33 @@ def _panels(figure: Figure, panels: Sequence[Panel], bottom: float, width: float
         left += across + _GAP
 
 
-def _cylinders(figure: Figure, shown: Sequence[Cell], bottom: float, same_view: bool, width: float) -> None:
-    peak = max(float(np.hypot(*cell.u).max()) for cell in shown)
+def _cylinders(
+    figure: Figure, shown: Sequence[Cell] | Sequence[Drawn], bottom: float, same_view: bool, width: float
+) -> None:
+    cylinders = [one for one in shown if isinstance(one, Cell)]
+    others = [one for one in shown if isinstance(one, Drawn)]
     column = (width - 2 * _MARGIN) / len(shown)
+    for k, one in enumerate([*_seen(cylinders, same_view), *others]):
+        scale = min(0.9 * column / one.across, _TALL / one.up)
+        left = _MARGIN + (k + 0.5) * column - 0.5 * scale * one.across
+        ax = place(figure, left, bottom, scale * one.across, scale * one.up)
+        one.draw(ax)
+        ax.set_title(one.title, fontsize=9.0, pad=2.5)
+
+
+def _seen(shown: Sequence[Cell], same_view: bool) -> Iterator[Drawn]:
+    """Yield the pictures of cylinders, with speeds on one scale."""
+    if not shown:
+        return
+    peak = max(float(np.hypot(*cell.u).max()) for cell in shown)
     view = facing_zone(shown[-1].P)
-    for k, cell in enumerate(shown):
+    for cell in shown:
         box = cylinder.extent(cell.length)
-        across, up = box[1] - box[0] + 0.06, box[3] - box[2] + 0.06
-        scale = min(0.9 * column / across, _TALL / up)
-        left = _MARGIN + (k + 0.5) * column - 0.5 * scale * across
-        ax = place(figure, left, bottom, scale * across, scale * up)
         grid = CylinderGrid(cell.P.shape[1], cell.P.shape[2], cell.length)
         angle = view if same_view else facing_zone(cell.P)
-        cylinder.draw(ax, grid, cell.P, cell.u, view_angle=angle, peak_speed=max(peak, 1e-6))
-        ax.set_title(cell.title, fontsize=9.0, pad=2.5)
+        how: dict[str, Any] = {"view_angle": angle, "peak_speed": max(peak, 1e-6)}
+        draw = partial(cylinder.draw, grid=grid, P=cell.P, u=cell.u, **how)
+        yield Drawn(cell.title, draw, box[1] - box[0] + 0.06, box[3] - box[2] + 0.06)
 
 
 def interval(ax: Any, x: Array, value: Array, low: Array, high: Array, colour: str, label: str = "") -> None:

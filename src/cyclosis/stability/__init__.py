@@ -15,6 +15,8 @@ from .cell.equilibria import steady_state as steady_state
 from .cell.modes import CellModes as CellModes
 from .cell.modes import leading_modes as leading_modes
 from .closed_cells import AxialState as AxialState
+from .closed_cells import AzimuthalMode as AzimuthalMode
+from .closed_cells import azimuthal_mode as azimuthal_mode
 from .closed_cells import azimuthal_rates as azimuthal_rates
 from .closed_cells import source_to_sink as source_to_sink
 from .existence.boundaries import Limits as Limits

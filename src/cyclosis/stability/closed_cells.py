@@ -136,24 +136,110 @@ def azimuthal_rates(
         >>> bool(rates[0].real > 0.1)  # a source that is displaced goes on moving
         True
     """
+    P = _checked(grid, state, m)
+    matrix = _matrix(_system(params, grid, repulsion, terms), P, _places(grid, m))
+    rates = np.linalg.eigvals(matrix).astype(np.complex128)
+    return rates[np.argsort(-rates.real)]
+
+
+@dataclass(frozen=True, eq=False)
+class AzimuthalMode:
+    """A perturbation that grows or decays: its `rate`, itself, `P` (2, n_theta, n_s), and the rate's `parts`.
+
+    `parts` has what every term contributes to its real part. P has a root mean square of 1.
+
+    Example:
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> found = cy.stability.AzimuthalMode(0.1 + 0j, np.zeros((2, 8, 8)), {"shear": 0.1})
+        >>> sum(found.parts.values()) == found.rate
+        True
+    """
+
+    rate: complex
+    P: Array
+    parts: dict[str, float]
+
+
+@door
+def azimuthal_mode(
+    params: Parameters,
+    grid: ClosedGrid,
+    state: npt.ArrayLike,
+    m: int,
+    rank: int = 0,
+    repulsion: str = PRINCIPAL,
+) -> AzimuthalMode:
+    """Return a perturbation e^{±imθ} of a state that does not depend on θ: that of `azimuthal_rates`[rank].
+
+    With m > 0 each comes twice, turned by a quarter of its wave: ranks 0 and 2 are two different ones. The
+    rate is Σ l·L r over the terms' linear operators L, with l and r its left and right vectors, l·r = 1.
+    Raises `InputError` as `azimuthal_rates` does, and for a rank that there is not.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.ClosedGrid(cy.Sphere(), k_max=8)
+        >>> state = cy.stability.source_to_sink(params, grid)
+        >>> found = cy.stability.azimuthal_mode(params, grid, state.P, m=1)
+        >>> found.P.shape, bool(abs(sum(found.parts.values()) - found.rate.real) < 1e-9)
+        ((2, 36, 18), True)
+    """
+    P, places = _checked(grid, state, m), _places(grid, m)
+    rank = whole("rank", rank, 0, 2 * len(places) - 1, "0 is the one that grows fastest")
+    system = _system(params, grid, repulsion)
+    rates, vectors = np.linalg.eig(_matrix(system, P, places))
+    chosen = int(np.argsort(-rates.real)[rank])
+    left, right = np.linalg.inv(vectors)[chosen], vectors[:, chosen]
+    parts = {}
+    for term in system.terms:
+        alone = _system(params, grid, repulsion, [term])
+        real, imaginary = (
+            _columns(alone, P, [_modes(alone, places, part)]) for part in (right.real, right.imag)
+        )
+        parts[term.name] = float((left @ (_rows(real, places) + 1j * _rows(imaginary, places)))[0].real)
+    perturbation = system.state(_modes(system, places, right.real))
+    size = np.sqrt(grid.mean(np.sum(perturbation**2, axis=0)))
+    return AzimuthalMode(complex(rates[chosen]), perturbation / size, parts)
+
+
+def _checked(grid: ClosedGrid, state: npt.ArrayLike, m: int) -> Array:
     most = len(grid.tables.modes) - 1
-    m = whole("m", m, 0, most, "m = 0 is a perturbation that does not depend on theta either")
+    whole("m", m, 0, most, "m = 0 is a perturbation that does not depend on theta either")
     P = grid.check_state(state)
     if np.abs(P - P.mean(axis=1, keepdims=True)).max() > 1e-8:
         remedy = "take one of cyclosis.stability.source_to_sink"
         raise InputError("state", P, "one that does not depend on theta", remedy)
-    system = _system(params, grid, repulsion, terms)
-    places = [(side, m, j) for side in ((0, 1) if m else (0,)) for j in range(int(grid.tables.modes[m]))]
-    shape = system.space.keep.shape
-    directions = np.zeros((2 * len(places), *shape), complex)
-    for number, place in enumerate(places):
-        directions[2 * number][place], directions[2 * number + 1][place] = 1.0, 1j
+    return P
+
+
+def _places(grid: ClosedGrid, m: int) -> list[tuple[int, int, int]]:
+    """Return where the harmonics of ±m are among all."""
+    return [(side, m, j) for side in ((0, 1) if m else (0,)) for j in range(int(grid.tables.modes[m]))]
+
+
+def _matrix(system: ClosedSystem, P: Array, places: list[tuple[int, int, int]]) -> Array:
+    """Return the derivative of the rate of change of harmonics, as real and imaginary parts in turn."""
+    directions = [_modes(system, places, direction) for direction in np.eye(2 * len(places))]
+    return _rows(_columns(system, P, directions), places)
+
+
+def _modes(system: ClosedSystem, places: list[tuple[int, int, int]], parts: Array) -> Any:
+    """Return modes that have real and imaginary parts (2 n,) at n places."""
+    modes = np.zeros(system.space.keep.shape, complex)
+    for place, (real, imaginary) in zip(places, parts.reshape(-1, 2), strict=True):
+        modes[place] = complex(real, imaginary)
+    return modes
+
+
+def _columns(system: ClosedSystem, P: Array, directions: list[Any]) -> Any:
     with on_host():
-        columns = np.asarray(_pushed(jax.device_put(system), system.spectrum(P), directions))
+        return np.asarray(_pushed(jax.device_put(system), system.spectrum(P), np.array(directions)))
+
+
+def _rows(columns: Any, places: list[tuple[int, int, int]]) -> Array:
+    """Return real and imaginary parts (2 n, columns) of modes (columns, ...) at n places."""
     rows = np.array([columns[(slice(None), *place)] for place in places])
-    matrix = np.stack([rows.real, rows.imag], axis=1).reshape(-1, len(directions))
-    rates = np.linalg.eigvals(matrix)
-    return rates[np.argsort(-rates.real)]
+    return np.stack([rows.real, rows.imag], axis=1).reshape(2 * len(places), -1)
 
 
 @partial(jax.jit)
