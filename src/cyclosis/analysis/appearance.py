@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model.grid import Array, resolved
+from ..model.grid import Array, resolved, sign_changes
 from .regimes import DISORDER, DOMINANT
-from .zones import crossings
 
 
 class Look(NamedTuple):
@@ -29,8 +28,12 @@ class Look(NamedTuple):
     @classmethod
     def of_state(cls, P: Array) -> Look:
         """Return the look of a state (2, n_theta, n_z)."""
-        P = resolved(P)
-        changes = crossings(P)
+        return cls.of_field(resolved(P))
+
+    @classmethod
+    def of_field(cls, P: Array) -> Look:
+        """Return the look of a vector field, with sign changes around the first of its two directions."""
+        changes = sign_changes(P[1])
         order2, around2 = float(np.mean(np.sum(P**2, axis=0))), float(np.mean(P[0] ** 2))
         circling = around2 >= DOMINANT * order2
         return cls(order2 >= DISORDER**2, int(changes.min()), int(changes.max()), circling)

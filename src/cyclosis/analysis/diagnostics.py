@@ -28,6 +28,7 @@ from ..model.precision import double
 from ..model.spectral import dot, unpack
 from ..model.system import System
 from ..model.system import system as system_of
+from .plain import plain as _plain
 
 TAIL_FRACTION = 2.0 / 3.0
 """The spectral tail is beyond this fraction of the resolved wavenumbers, in either direction."""
@@ -214,10 +215,7 @@ def diagnose(
     now = number("time", time, -1e12, 1e12, "the default is 0")
     with double():
         values = measure(system, system.spectrum(P), now)
-    out: dict[str, Any] = {name: np.asarray(v) if np.ndim(v) else float(v) for name, v in values.items()}
-    names = [term.name for term in system.terms]
-    out["budget"] = dict(zip(names, map(float, out["budget"]), strict=True))
-    return out
+    return _plain(system, values)
 
 
 @door

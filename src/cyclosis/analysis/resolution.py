@@ -28,6 +28,11 @@ def decay_time(system: System) -> float:
     """Return the time in which diffusion alone damps noise in the spectral tail."""
     largest = (float(np.max(waves)) for waves in (system.space.m, system.space.q))
     k = TAIL_FRACTION * min(most for most in largest if most > 0)  # one axial point has no waves along z
+    return damped_after(system, k)
+
+
+def damped_after(system: System, k: float) -> float:
+    """Return the time in which diffusion alone damps noise of wavenumber k."""
     diffuses = any(term.name == "diffusion" for term in system.terms)
     damping = float(system.values.d_s) * k**2 if diffuses else 0.0
     return -np.log(NOISE_DECAY) / damping if damping > 0 else 0.0
@@ -44,16 +49,25 @@ def stiffness(system: System) -> float:
     return stiffest + local
 
 
-def enough(params: Parameters, grid: CylinderGrid) -> tuple[int, int] | None:
-    """Return a finer grid (n_theta, n_z) that should resolve a cell, or None if none can be estimated.
+def largest_wavenumber(params: Parameters) -> float | None:
+    """Return the wavenumber that must be resolved, or None if it cannot be estimated.
 
-    Zones between stripes are about w = (2 d_s/(α_p + α_u/4 - d_r))^½ wide, in radii, and the largest
-    wavenumber must be at least 5/w. Multiples of 8, at least as fine as the grid in either direction.
+    Zones between stripes are about w = (2 d_s/(α_p + α_u/4 - d_r))^½ wide, in radii, and it is 5/w.
     """
     drive = float(np.max(params.alpha_p)) + ALIGNED * float(np.max(params.alpha_u)) - params.d_r
     if params.d_s <= 0 or drive <= 0:
         return None
-    largest = ACROSS * np.sqrt(drive / (2 * params.d_s))
+    return float(ACROSS * np.sqrt(drive / (2 * params.d_s)))
+
+
+def enough(params: Parameters, grid: CylinderGrid) -> tuple[int, int] | None:
+    """Return a finer grid (n_theta, n_z) that should resolve a cell, or None if none can be estimated.
+
+    Multiples of 8, at least as fine as the grid in either direction; see `largest_wavenumber`.
+    """
+    largest = largest_wavenumber(params)
+    if largest is None:
+        return None
     needed = (2 * largest, largest * grid.length / np.pi)
     out = tuple(max(8 * int(np.ceil(n / 8)), own) for n, own in zip(needed, grid.shape, strict=True))
     if grid.n_z == 1:

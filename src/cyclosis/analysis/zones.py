@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ..model.arrays import STATE_DIMS, numbers, series
 from ..model.doors import door
 from ..model.errors import InputError
-from ..model.grid import Array, CylinderGrid, resolved
+from ..model.grid import Array, CylinderGrid, resolved, sign_changes
 
 DISORDER = 0.05
 """Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""
@@ -37,8 +37,7 @@ def crossings(P: npt.ArrayLike) -> npt.NDArray[np.int64]:
         >>> cy.zones.crossings(cy.initial.stripes(cy.CylinderGrid(16, 8), 4))
         array([4, 4, 4, 4, 4, 4, 4, 4])
     """
-    up = resolved(_state(P)[1]) > 0
-    return np.sum(up != np.roll(up, 1, axis=0), axis=0)
+    return sign_changes(resolved(_state(P)[1]))
 
 
 def _state(P: npt.ArrayLike) -> Array:

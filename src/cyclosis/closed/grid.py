@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..model.arrays import numbers
+from ..model.arrays import vectors
 from ..model.errors import InputError, number, whole
 from ..model.spectral import pack
-from ..model.wording import beside
 from .harmonics import Weighted
 from .shapes import KINDS, Capsule, Meridian, Shape
 from .tables import Tables, tables
@@ -201,28 +200,12 @@ class ClosedGrid:
 
         With `bounded`, a state with |P| > 1 anywhere is refused: P is the mean of unit vectors.
         """
-        expected = (2, *self.shape)
-        rule = f"an array of real numbers of shape {expected} (component, theta, s)"
-        remedy = "make state and grid match, and give one array with both components"
         coordinates: dict[str, Any] = {
             "component": np.array(["theta", "s"]),
             "theta": self.theta,
             "s": self.s,
         }
-        array = numbers(name, state, rule, remedy, ("component", "theta", "s"), coordinates)
-        if array.shape != expected:
-            raise InputError(name, array, rule, remedy)
-        if not np.all(np.isfinite(array)):
-            raise InputError(name, array, "finite everywhere", "remove its NaN or infinite entries")
-        largest = float(np.sqrt(np.max(np.sum(array**2, axis=0))))
-        if bounded and largest > 1 + 1e-12:
-            raise InputError(
-                f"max |P| of {name}",
-                float(beside(largest, 1.0)),
-                "at most 1, because P is a mean of unit vectors",
-                "scale the state down, or raise filaments_per_square if it is noise",
-            )
-        return array
+        return vectors(name, state, self.shape, coordinates, bounded)
 
 
 def _quick(least: float) -> int:

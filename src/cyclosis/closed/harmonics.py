@@ -17,6 +17,7 @@ the vectors of mode m to those of -m.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -34,13 +35,19 @@ NEGLIGIBLE = 1e-8
 
 
 class Weighted(NamedTuple):
-    """Points of a meridian with x = cos τ, and `area` (n,), the area of each ring over 2π."""
+    """Points of a meridian with x = cos τ, and `area` (n,), the area of each ring over 2π.
+
+    `barycentric` (n,) are the weights of interpolation between Gauss-Legendre points, (-1)^k [(1 - x²) w_k]^½
+    (Wang & Xiang 2012).
+    """
 
     x: Array
     meridian: Meridian
     area: Array
+    barycentric: Array
 
     @classmethod
+    @lru_cache(maxsize=32)
     def of(cls, shape: Shape, n: int) -> Weighted:
         """Return n Gauss-Legendre points in x, from the south pole to the north."""
         x, weight = np.polynomial.legendre.leggauss(n)
@@ -48,7 +55,11 @@ class Weighted(NamedTuple):
         # arccos loses digits near the poles, where sin τ is small: take the angle of (cos, sin).
         sin = np.sqrt((1 - x) * (1 + x))
         at = shape.meridian(np.arctan2(sin, x))
-        return cls(x, at, weight * at.r * at.speed / sin)
+        barycentric = np.asarray((-1.0) ** np.arange(n) * sin * np.sqrt(weight), dtype=np.float64)
+        made = cls(x, at, weight * at.r * at.speed / sin, barycentric)
+        for values in (x, *at, made.area, barycentric):  # shared by all who ask for these points
+            values.setflags(write=False)
+        return made
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from ..model.arrays import numbers
 from ..model.errors import InputError
 from ..model.wording import beside
 from .grid import Array, ClosedGrid
+from .harmonics import Weighted
 from .shapes import Shape
 
 OFF_SURFACE = 1e-3
@@ -77,7 +78,7 @@ def packed_at(grid: ClosedGrid, field: npt.NDArray[np.complex128], theta: Array,
     x = grid.points.x
     sin, at_sin = np.sqrt((1 - x) * (1 + x)), np.sin(tau)
     found = np.zeros(len(theta), complex)
-    onto = interpolation(x, np.cos(tau))
+    onto = interpolation(grid.points, np.cos(tau))
     for odd in (0, 1):
         rows = np.abs(m) % 2 == odd
         values = spectrum[rows] if odd else spectrum[rows] / sin
@@ -87,15 +88,11 @@ def packed_at(grid: ClosedGrid, field: npt.NDArray[np.complex128], theta: Array,
     return found
 
 
-def interpolation(x: Array, at: Array) -> Array:
-    """Return the matrix (n, k) that interpolates polynomials from Gauss-Legendre x (k,) to `at` (n,)."""
-    from numpy.polynomial import legendre
-
-    weight = legendre.leggauss(len(x))[1][::-1]
-    barycentric = (-1.0) ** np.arange(len(x)) * np.sqrt((1 - x) * (1 + x) * weight)
-    apart = at[:, None] - x
+def interpolation(points: Weighted, at: Array) -> Array:
+    """Return the matrix (n, k) that interpolates polynomials in x from points (k,) to `at` (n,)."""
+    apart = at[:, None] - points.x
     exact = apart == 0
-    parts = barycentric / np.where(exact, 1.0, apart)
+    parts = points.barycentric / np.where(exact, 1.0, apart)
     parts = np.where(exact.any(axis=1, keepdims=True), exact, parts)
     matrix: Array = parts / parts.sum(axis=1, keepdims=True)
     return matrix

@@ -170,9 +170,7 @@ def _along(grid: ClosedGrid) -> Array:
     """Return the matrices of d/ds for even and odd m, (2, n_s, n_s): barycentric differentiation in x."""
     points = grid.points
     x, sin = points.x, np.sqrt((1 - points.x) * (1 + points.x))
-    # Barycentric weights of Gauss-Legendre points (Wang & Xiang 2012): (-1)^k [(1 - x²) w_k]^½.
-    weight = points.area * sin / (points.meridian.r * points.meridian.speed)
-    barycentric = (-1.0) ** np.arange(len(x)) * sin * np.sqrt(weight)
+    barycentric = points.barycentric
     apart = x[:, None] - x[None, :] + np.eye(len(x))
     D = barycentric[None, :] / barycentric[:, None] / apart
     np.fill_diagonal(D, 0.0)

@@ -22,7 +22,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..model import filaments, spectral
-from ..model.closures import PAPER, checked
 from ..model.definitions import definition
 from ..model.errors import InputError, choice
 from ..model.filaments import Term, TermLike
@@ -76,7 +75,7 @@ class ClosedMoment(Moment):
 
     @cached_property
     def flow_latitudes(self) -> jax.Array:
-        """U of every m as a function of the latitude."""
+        """The flow of every m as a function of the latitude."""
         return self.space.flow_to_latitudes(self.flow_spectrum)
 
     @cached_property
@@ -196,7 +195,6 @@ def closed_system(
     precision: str = "float64",
     split: bool = True,
     cubic: bool | None = None,
-    closure: str = PAPER,
     repulsion: str = PRINCIPAL,
 ) -> ClosedSystem:
     """Return the `ClosedSystem` of a cell; `repulsion` names one of `REPULSIONS`.
@@ -218,7 +216,6 @@ def closed_system(
         cubic=params.force_exponent == 2 if cubic is None else cubic,
         grid=grid if any(term.kind == "custom" for term in chosen) else None,  # type: ignore[arg-type]
         split=split,
-        closure=checked(closure),
     )
 
 

@@ -88,7 +88,7 @@ def _onto(grid: ClosedGrid) -> tuple[Array, Array]:
     """Return the matrix (n, n_s) that takes polynomials in cos τ to the chart, and sin τ there."""
     tau_fine = np.linspace(0.0, np.pi, 4097)
     tau = np.interp(skin_of(grid).s, grid.surface.meridian(tau_fine).s, tau_fine)
-    return interpolation(grid.points.x, np.cos(tau)), np.sin(tau)
+    return interpolation(grid.points, np.cos(tau)), np.sin(tau)
 
 
 def marks_of(grid: ClosedGrid, P: Array) -> list[Mark]:

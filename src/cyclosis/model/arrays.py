@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from .carried import PLAIN, framed, labelled, objection
 from .errors import InputError
+from .wording import beside
 
 Array = npt.NDArray[np.float64]
 Dims = tuple[str | EllipsisType, ...]
@@ -53,6 +54,32 @@ def numbers(
     if given.dtype.kind not in "iuf":
         raise InputError(field, given if given.ndim else value, rule, remedy)
     return np.array(given, dtype=np.float64, order="C")
+
+
+def vectors(
+    name: str, state: Any, shape: tuple[int, int], coordinates: Mapping[str, Any], bounded: bool
+) -> Array:
+    """Return a vector field on a grid of some shape as a float64 array (2, *shape), or raise `InputError`.
+
+    `coordinates` are those of its dimensions, in their order. With `bounded`, a length above 1 is refused.
+    """
+    expected = (2, *shape)
+    rule = f"an array of real numbers of shape {expected} ({', '.join(coordinates)})"
+    remedy = "make state and grid match, and give one array with both components"
+    array = numbers(name, state, rule, remedy, tuple(coordinates), coordinates)
+    if array.shape != expected:
+        raise InputError(name, array, rule, remedy)
+    if not np.all(np.isfinite(array)):
+        raise InputError(name, array, "finite everywhere", "remove its NaN or infinite entries")
+    largest = float(np.sqrt(np.max(np.sum(array**2, axis=0))))
+    if bounded and largest > 1 + 1e-12:
+        raise InputError(
+            f"max |P| of {name}",
+            float(beside(largest, 1.0)),
+            "at most 1, because P is a mean of unit vectors",
+            "scale the state down, or raise filaments_per_square if it is noise",
+        )
+    return array
 
 
 def series(field: str, value: Any, remedy: str = "give a list of numbers") -> Array:

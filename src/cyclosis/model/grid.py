@@ -9,11 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..display.notebook import cylinder, tree
-from .arrays import COMPONENTS, FIELD_DIMS, STATE_DIMS, numbers
+from .arrays import COMPONENTS, FIELD_DIMS, numbers, vectors
 from .definitions import GRID
 from .doors import door
 from .errors import InputError, whole
-from .wording import beside
 
 Array = npt.NDArray[np.float64]
 
@@ -102,24 +101,8 @@ class CylinderGrid:
                 ...
             cyclosis.model.errors.InputError: max |P| of state = 1.41421 cannot be used: ...
         """
-        expected = (2, *self.shape)
-        rule = f"an array of real numbers of shape {expected} (component, theta, z)"
-        remedy = "make state and grid match, and give one array with both components"
         coordinates: dict[str, Any] = {"component": COMPONENTS, "theta": self.theta, "z": self.z}
-        array = numbers(name, state, rule, remedy, STATE_DIMS, coordinates)
-        if array.shape != expected:
-            raise InputError(name, array, rule, remedy)
-        if not np.all(np.isfinite(array)):
-            raise InputError(name, array, "finite everywhere", "remove its NaN or infinite entries")
-        largest = float(np.sqrt(np.max(np.sum(array**2, axis=0))))
-        if bounded and largest > 1 + 1e-12:
-            raise InputError(
-                f"max |P| of {name}",
-                float(beside(largest, 1.0)),
-                "at most 1, because P is a mean of unit vectors",
-                "scale the state down, or raise filaments_per_square if it is noise",
-            )
-        return array
+        return vectors(name, state, self.shape, coordinates, bounded)
 
 
 @door
@@ -183,6 +166,12 @@ def resolved(field: npt.NDArray[Any]) -> Array:
             if not np.max(np.abs(highest)) <= rounding:
                 out = out - crests * highest
     return out
+
+
+def sign_changes(field: Array) -> npt.NDArray[np.int64]:
+    """Return how often a field (n_theta, n) changes sign around each circle (n,)."""
+    up = field > 0
+    return np.sum(up != np.roll(up, 1, axis=0), axis=0)
 
 
 def covered(name: str, points: npt.ArrayLike, period: float | None, where: str) -> float:

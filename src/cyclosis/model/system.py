@@ -245,7 +245,8 @@ def _values(given: dict[str, Any], space: Space, precision: str, xp: Any) -> Val
 
 
 @jax.jit
-def _rate_of_change(system: System, spectrum: Any, time: Any) -> Any:
+def rate_spectrum(system: System, spectrum: Any, time: Any = 0.0) -> Any:
+    """Return the spectrum of dP/dt of a state at a time (traceable)."""
     return system.rate(system.at(spectrum, time))
 
 
@@ -312,4 +313,4 @@ def rate_of_change(
     equation = system(params, grid, terms, dealias, closure=closure)
     now = number("time", time, -1e12, 1e12, "the default is 0")
     with double():
-        return equation.state(_rate_of_change(equation, equation.spectrum(P), now))
+        return equation.state(rate_spectrum(equation, equation.spectrum(P), now))

@@ -6,11 +6,11 @@ import functools
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-import jax
 import numpy as np
 import numpy.typing as npt
 
 from ..analysis import diagnostics, regimes
+from ..analysis.plain import plain
 from ..closed.grid import Array, ClosedGrid
 from ..contract.model import Problem
 from ..model import system as cylinder
@@ -36,11 +36,6 @@ def _on_any(of_closed: Callable[..., Any], of_cylinder: Function) -> Function:
     return chosen  # type: ignore[return-value]
 
 
-@jax.jit
-def _rate(system: Any, modes: Any, time: Any) -> Any:
-    return system.rate(system.at(modes, time))
-
-
 def _problem(params: Parameters, grid: ClosedGrid, terms: Iterable[TermLike] | None = None) -> Problem:
     return closed.problem(params, grid, terms)
 
@@ -62,7 +57,9 @@ def _rate_of_change(
     system: Any = closed.system(_problem(params, grid, terms), True)
     now = number("time", time, -1e12, 1e12, "the default is 0")
     with double():
-        rate: Array = system.state(_rate(system, system.spectrum(grid.check_state(state)), now))
+        rate: Array = system.state(
+            cylinder.rate_spectrum(system, system.spectrum(grid.check_state(state)), now)
+        )
     return rate
 
 
@@ -88,10 +85,7 @@ def _diagnose(
     now = number("time", time, -1e12, 1e12, "the default is 0")
     with double():
         values = closed.measure(system, system.spectrum(grid.check_state(state)), now)
-    out: dict[str, Any] = {name: np.asarray(v) if np.ndim(v) else float(v) for name, v in values.items()}
-    names = [term.name for term in system.terms]
-    out["budget"] = dict(zip(names, map(float, out["budget"]), strict=True))
-    return out
+    return plain(system, values)
 
 
 flow = _on_any(_flow, cylinder.flow)

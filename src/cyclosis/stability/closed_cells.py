@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import jax
@@ -25,6 +24,7 @@ from ..model.errors import InputError, whole
 from ..model.filaments import TermLike
 from ..model.parameters import Parameters
 from ..model.precision import on_host
+from ..model.system import rate_spectrum
 from ..models import closed_model
 
 STEPS = 40
@@ -54,11 +54,6 @@ def _system(
     model = closed_model(repulsion)
     made: Any = model.system(model.problem(params, grid, terms), True)
     return made
-
-
-@jax.jit
-def _rate(system: ClosedSystem, modes: Any) -> Any:
-    return system.rate(system.at(modes))
 
 
 @door
@@ -242,7 +237,9 @@ def _rows(columns: Any, places: list[tuple[int, int, int]]) -> Array:
     return np.stack([rows.real, rows.imag], axis=1).reshape(2 * len(places), -1)
 
 
-@partial(jax.jit)
+@jax.jit
 def _pushed(system: ClosedSystem, modes: Any, directions: Any) -> Any:
     """Return the derivative of the rate of change in several directions."""
-    return jax.lax.map(lambda one: jax.jvp(lambda at: _rate(system, at), (modes,), (one,))[1], directions)
+    return jax.lax.map(
+        lambda one: jax.jvp(lambda at: rate_spectrum(system, at), (modes,), (one,))[1], directions
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -9,12 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...analysis.appearance import Look
-from ...analysis.zones import DISORDER, DOMINANT
-from ...closed.grid import Array, ClosedGrid
+from ...closed.grid import Array
 from ...closed.system import ClosedSystem
-from ...contract.members import Lanes
-from ...model.parameters import Parameters
 from ...model.spectral import dot
+from ..polar_cylinder import polar
 from .quantities import energy, tail
 
 
@@ -55,28 +54,10 @@ def _middle(field: Any) -> Any:
 
 
 def look_of_state(P: Array) -> Look:
-    """Return the look of a state (2, n_theta, n_s)."""
-    up = _middle(P[1]) > 0
-    changes = np.sum(up != np.roll(up, 1, axis=0), axis=0)
-    middle = np.stack([_middle(part) for part in P])
-    order2, around2 = float(np.mean(np.sum(middle**2, axis=0))), float(np.mean(middle[0] ** 2))
-    circling = around2 >= DOMINANT * order2
-    return Look(order2 >= DISORDER**2, int(changes.min()), int(changes.max()), circling)
+    """Return the look of the middle half of a state (2, n_theta, n_s)."""
+    return Look.of_field(np.stack([_middle(part) for part in P]))
 
 
-def shared(params: Parameters, grid: ClosedGrid) -> Any:
-    """Return what must be equal for members that share lanes."""
-    built_in = (params.d_s, params.d_r, params.mu, params.force_exponent == 2)
-    fields = tuple((n, v.tobytes()) for n, v in params.items() if isinstance(v, np.ndarray))
-    return (grid, built_in, fields)
-
-
-LANES = Lanes(
-    signs=signs,
-    look=Look.of_signs,
-    look_of_state=look_of_state,
-    shared=shared,
-    values=lambda system: system.values,
-    with_values=ClosedSystem.with_values,
-    certain=None,
-)
+assert polar.lanes is not None
+LANES = replace(polar.lanes, signs=signs, look_of_state=look_of_state, certain=None)
+"""What members share is the same as on a cylinder."""

@@ -14,6 +14,8 @@ from typing import Any
 import jax
 import numpy as np
 
+from ...analysis import resolution
+from ...analysis.diagnostics import TAIL_FRACTION
 from ...closed.grid import Array, ClosedGrid
 from ...closed.space import closed_space
 from ...closed.system import PRINCIPAL, REPULSIONS, ClosedSystem, closed_system, flow_vector, vector
@@ -29,12 +31,6 @@ from . import quantities, starts, states, stored
 from .actions import act
 from .lanes import LANES
 from .shape_table import grid_of, table_of
-
-UNDERRESOLVED_TAIL = 1e-2
-NOISE_DECAY = 1e-8
-"""The tail is judged once diffusion alone has damped the initial noise in it by this factor."""
-ACROSS = 5.0
-"""k_max times width of a zone on a grid that is fine enough, as on the cylinder."""
 
 
 def _system(problem: Problem, split: bool, cubic: bool | None = None) -> ClosedSystem:
@@ -58,24 +54,15 @@ def _ramped(first: Problem, last: Problem, times: Times, split: bool) -> Any:
     return ramped(_system(first, split, cubic), _system(last, split, cubic), times)
 
 
-def _stiffness(system: ClosedSystem) -> float:
-    values = system.values
-    local = sum(float(np.max(np.abs(value))) for value in (2 * values.alpha_p, values.alpha_u, values.kappa))
-    return float(values.d_s) * float(np.max(system.space.k2)) + float(values.d_r) + local
-
-
 def _decay_time(system: ClosedSystem) -> float:
-    diffuses = any(term.name == "diffusion" for term in system.terms)
-    rate = float(system.values.d_s) * quantities.TAIL_FRACTION**2 * float(np.max(system.space.k2))
-    return -np.log(NOISE_DECAY) / rate if diffuses and rate > 0 else 0.0
+    return resolution.damped_after(system, TAIL_FRACTION * float(np.sqrt(np.max(system.space.k2))))
 
 
 def _finer(params: Parameters, grid: ClosedGrid) -> str:
-    drive = float(np.max(params.alpha_p)) + 0.25 * float(np.max(params.alpha_u)) - params.d_r
-    if params.d_s <= 0 or drive <= 0:
+    largest = resolution.largest_wavenumber(params)
+    if largest is None:
         return "use a larger k_max"
-    needed = max(ACROSS * np.sqrt(drive / (2 * params.d_s)), 1.25 * grid.k_max)
-    return f"use a larger k_max: {int(np.ceil(needed))} should do"
+    return f"use a larger k_max: {int(np.ceil(max(largest, 1.25 * grid.k_max)))} should do"
 
 
 @jax.jit
@@ -92,10 +79,6 @@ def _regime(problem: Problem, state: Array) -> states.ClosedRegime:
     m = np.arange(modes.shape[1])[:, None] * np.array([1, -1])[:, None, None]
     u, change, turning = flow_vector(made.space, amplitudes), made.state(rate), made.state(1j * m * modes)
     return states.judged(problem.grid, made.state(modes), u, change, turning)
-
-
-def _member_row(member: Any, outcome: Any) -> dict[str, Any]:
-    return {}
 
 
 def _caption(grid: ClosedGrid) -> str:
@@ -150,10 +133,10 @@ _CLOSED = Model(
     largest=lambda state: float(np.hypot(*state).max()),
     bound=polar.bound,
     sharp_bound=polar.sharp_bound,
-    stiffness=_stiffness,
+    stiffness=polar.stiffness,
     quantities=quantities.QUANTITIES,
     measure=quantities.measure,
-    tails={"spectral_tail": UNDERRESOLVED_TAIL},
+    tails=polar.tails,
     peak="max_P",
     decay_time=_decay_time,
     finer=_finer,
@@ -171,7 +154,6 @@ _CLOSED = Model(
         seeded=starts.seeded,
     ),
     member_variables=stored.MEMBER_VARIABLES,
-    member_row=_member_row,
     flow=stored.flow,
     attributes=lambda grid: {"surface": grid.surface.kind, "area": grid.area},
     geometry=stored.geometry,

@@ -8,14 +8,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ...analysis import diagnostics
+from ...analysis.diagnostics import TAIL_FRACTION
 from ...closed.system import ClosedSystem
 from ...contract.model import Quantity
 from ...model import filaments
 from ...model.moment import Moment
 from ...model.spectral import dot
-
-TAIL_FRACTION = 2.0 / 3.0
-"""The spectral tail is beyond this fraction of k_max."""
 
 
 def energy(system: ClosedSystem, modes: jax.Array) -> jax.Array:
@@ -68,22 +67,7 @@ QUANTITIES = (
         "root mean square of the order vector",
         lambda system, now: jnp.sqrt(jnp.sum(energy(system, now.spectrum))),
     ),
-    Quantity(
-        "max_P",
-        "max |P|",
-        (),
-        "1",
-        "largest magnitude of the order vector",
-        lambda system, now: jnp.sqrt(jnp.max(dot(now.p, now.p))),
-    ),
-    Quantity(
-        "peak_speed",
-        "max |u|",
-        (),
-        "1",
-        "largest flow speed",
-        lambda system, now: jnp.sqrt(jnp.max(dot(now.u, now.u))),
-    ),
+    *(item for item in diagnostics.QUANTITIES if item.name in ("max_P", "peak_speed")),
     Quantity(
         "rms_speed",
         "<|u|²>^½",

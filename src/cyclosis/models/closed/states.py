@@ -10,6 +10,7 @@ from ...analysis.zones import DISORDER, DOMINANT
 from ...closed.defects import Defect, defects
 from ...closed.grid import Array, ClosedGrid
 from ...closed.shapes import Sphere
+from ...model.grid import sign_changes
 from ...model.wording import beside
 
 REGIMES = (
@@ -109,8 +110,8 @@ def _name(
     around = float(grid.mean(P[0] ** 2)) / order**2
     if around >= DOMINANT:
         return "swirl", f"{100 * around:.0f} % of the order runs around the axis"
-    up = P[1][:, grid.r >= STRAIGHT] > 0
-    crossed = np.sum(up != np.roll(up, 1, axis=0), axis=0)
+    straight = P[1][:, grid.r >= STRAIGHT]
+    up, crossed = straight > 0, sign_changes(straight)
     low, high = int(crossed.min()), int(crossed.max())
     if low != high:
         return "undecided", f"{low} to {high} indifferent zones along the cell"

@@ -15,7 +15,6 @@ from ...model.parameters import Parameters
 from ...model.precision import double
 from ...model.system import flow_spectrum
 from ..polar_stored import last_made
-from .states import REGIMES as REGIMES
 
 PLANE = ("component", "theta", "s")
 _NAN = float("nan")
