@@ -6,8 +6,9 @@ import scipy.stats
 import xarray
 
 import cyclosis as cy
-from cyclosis.experiments import closed_cells, closed_views
-from cyclosis.experiments import ends as subject
+from cyclosis.experiments import closed_cells, closed_views, ends, ends_figure, ends_growth
+from cyclosis.experiments import ends_verdict as subject
+from cyclosis.experiments.closed_cells import CAPSULE, CYLINDER, PRINCIPAL, SHAPES, SPHEROID, End
 
 GRID = cy.ClosedGrid(cy.Capsule(2.0), k_max=8)
 ONE, TWO, OTHER = (subject.REGIMES.index(name) for name in ("source-to-sink", "cyclosis", "undecided"))
@@ -18,7 +19,7 @@ def made(capsule=(ONE, None, TWO), spheroid=(ONE, None, TWO), growing=True):
     """Return data at α_p = 0.5 and three α_u: one stream, either, two; None is what cylinders have there."""
     either = np.where(np.arange(20) % 2, ONE, TWO)
     cylinder = np.stack([np.full(20, ONE), either, np.full(20, TWO)])
-    end = np.zeros((3, 1, 3, 20, len(subject.End._fields)))
+    end = np.zeros((3, 1, 3, 20, len(End._fields)))
     end[0, 0, ..., 0] = cylinder
     for k, given in enumerate((capsule, spheroid)):
         end[k + 1, 0, ..., 0] = [
@@ -31,32 +32,34 @@ def made(capsule=(ONE, None, TWO), spheroid=(ONE, None, TWO), growing=True):
     epsilon = np.array([0.0, 0.05, 0.1])
     over = np.stack([np.stack([0 * epsilon, epsilon - 0.02, -epsilon], axis=-1)] * 2)
     picture = closed_views.seen(GRID, cy.closed.rotation(GRID), cy.closed.rotation(GRID), 0.0)
-    names = [f"{shape}, {alpha_p:g}, {alpha_u:g}" for shape, alpha_p, alpha_u in subject.PUSHED]
+    names = [f"{shape}, {alpha_p:g}, {alpha_u:g}" for shape, alpha_p, alpha_u in ends_growth.PUSHED]
     return xarray.Dataset(
         {
             "end": (("shape", "alpha_p", "alpha_u", "seed", "number"), end),
             "growth": (("closed", "alpha_p", "alpha_u", "wave"), grows),
             "over_epsilon": (("without", "weak_alpha_u", "epsilon", "wave"), np.stack([over] * 3)),
-            "parts": (("pushed", "defect", "part"), np.full((3, 2, len(subject.PARTS)), 0.01)),
+            "parts": (("pushed", "defect", "part"), np.full((3, 2, len(ends_growth.PARTS)), 0.01)),
             "line": (("other", "line_alpha_u", "line_seed", "number"), end[:1, 0]),
             "fine": (("point", "fine_seed", "number"), end[1, 0, 2:, :10]),
             "picture": (("frame", "field", "across", "up"), np.stack([picture] * 4)),
         },
         {
-            "shape": list(subject.SHAPES),
+            "shape": list(SHAPES),
             "alpha_p": [0.5],
             "alpha_u": [0.0125, 0.05, 1.0],
-            "number": list(subject.End._fields),
-            "closed": list(subject.SHAPES[1:]),
-            "wave": list(subject.WAVES),
+            "number": list(End._fields),
+            "closed": list(SHAPES[1:]),
+            "wave": list(ends_growth.WAVES),
             "without": ["nothing", "advection", "shear"],
             "weak_alpha_u": [0.0, 0.025],
             "epsilon": epsilon,
             "pushed": names,
-            "defect": list(subject.WAVES[1:]),
-            "part": list(subject.PARTS),
+            "defect": list(ends_growth.WAVES[1:]),
+            "part": list(ends_growth.PARTS),
             "other": ["cylinder 7, principal"],
             "line_alpha_u": [0.0125, 0.05, 1.0],
+            "point_shape": ("point", [CAPSULE]),
+            "point_k_max": ("point", [24.0]),
             "point_alpha_p": ("point", [1.0]),
             "point_alpha_u": ("point", [0.5]),
         },
@@ -82,9 +85,9 @@ def test_places_and_shares_are_counted():
     where = subject.regions(data)
     assert where["C"].tolist() == [[False, False, True]]
     assert where["C/U"].tolist() == [[False, True, False]]
-    assert subject.differs(data, subject.CAPSULE).tolist() == [[True, False, False]]
-    assert subject.share(data, subject.CYLINDER, where["C/U"], 1) == (10, 20)
-    assert subject.share(data, subject.SPHEROID, where["C/U"], 0) == (10, 10)
+    assert subject.differs(data, CAPSULE).tolist() == [[True, False, False]]
+    assert subject.share(data, CYLINDER, where["C/U"], 1) == (10, 20)
+    assert subject.share(data, SPHEROID, where["C/U"], 0) == (10, 10)
     words = subject.verdict(data).measured
     assert "10 of 20 of them, but 10 of 10 capsules and 0 of 10 spheroids have two" in words
     assert "Capsules differ beyond chance at 1 and spheroids at 1 of 3 places, 0 of them" in words
@@ -92,17 +95,17 @@ def test_places_and_shares_are_counted():
 
 
 def test_ends_with_one_stream_that_grow_apart_are_transient():
-    assert subject.transient(made(), subject.CAPSULE) == (15, 15)
-    assert subject.transient(made(growing=False), subject.CAPSULE) == (0, 15)
+    assert subject.transient(made(), CAPSULE) == (15, 15)
+    assert subject.transient(made(growing=False), CAPSULE) == (0, 15)
     assert subject.onset(made(), 0.0) == pytest.approx(0.02)
 
 
 def test_seeds_are_compared_as_wholes():
-    assert subject.overall(made(), subject.CAPSULE) > 0.9
-    assert subject.overall(made(capsule=(ONE, ONE, TWO)), subject.CAPSULE) < 0.025
+    assert subject.overall(made(), CAPSULE) > 0.9
+    assert subject.overall(made(capsule=(ONE, ONE, TWO)), CAPSULE) < 0.025
     many = made(capsule=(ONE, ONE, TWO)).isel(alpha_p=[0] * 5)  # the same seeds at more places
-    assert subject.overall(many, subject.CAPSULE) > 1e-3
-    assert subject.overall(made().isel(alpha_u=[2]), subject.CAPSULE) == 1.0
+    assert subject.overall(many, CAPSULE) > 1e-3
+    assert subject.overall(made().isel(alpha_u=[2]), CAPSULE) == 1.0
 
 
 def test_the_test_is_fishers_for_the_kind_that_differs_most():
@@ -114,9 +117,32 @@ def test_the_test_is_fishers_for_the_kind_that_differs_most():
 
 
 def test_the_figure_shows_cells_and_maps():
-    assert len(subject.draw(made(capsule=(TWO, TWO, TWO))).axes) == 4 + 4
-    stripes = subject._stripes(np.array([1, 0, 1, 1, -1]))
+    assert len(ends_figure.draw(made(capsule=(TWO, TWO, TWO))).axes) == 4 + 4
+    stripes = ends_figure._stripes(np.array([1, 0, 1, 1, -1]))
     assert np.bincount(stripes).tolist() == [5, 15]
+
+
+def test_more_seeds_are_computed_where_the_first_ends_are_mixed(monkeypatch):
+    asked = []
+
+    def made_up(lab, cells, seeds):
+        asked.append((cells, seeds))
+        found = np.zeros((len(cells), len(seeds), len(End._fields)))
+        found[1:, :, 0] = np.where(np.arange(len(seeds)) == 1, TWO, ONE)
+        found[0, :, 0] = ONE
+        return found
+
+    class Lab:
+        quick, seeds = False, 10
+
+    monkeypatch.setattr(ends, "_ends", made_up)
+    found = ends._table(Lab(), [(CAPSULE, 1), (CAPSULE, 2)])
+    assert asked == [([(CAPSULE, 1), (CAPSULE, 2)], range(10)), ([(CAPSULE, 2)], range(10, 20))]
+    assert np.isnan(found[0, 10:]).all()
+    assert not np.isnan(found[1]).any()
+    words = subject.verdict(made()).measured
+    assert "At k_max 24 two streams have 10 of 10 in a capsule at (1, 0.5)" in words
+    assert "cylinder 7: 0 of 20, 10 of 20, 20 of 20" in words
 
 
 def test_a_picture_shows_streams_where_they_are():
@@ -149,11 +175,11 @@ def test_a_zone_has_points_enough():
 @pytest.mark.slow
 def test_a_displaced_sink_is_pushed_on_and_a_source_back():
     sink, source = (
-        dict(zip(subject.PARTS, subject.pushed(subject.CAPSULE, 0.5, 0.0, rank), strict=True))
+        dict(zip(ends_growth.PARTS, ends_growth.pushed(CAPSULE, 0.5, 0.0, rank), strict=True))
         for rank in (0, 2)
     )
     assert sink["push"] > 0.3 > -0.3 > source["push"]
-    rates = subject.growth(subject.CAPSULE, subject.PRINCIPAL, 0.5, 0.0, 0.1, "", 16.0)
+    rates = ends_growth.growth(CAPSULE, PRINCIPAL, 0.5, 0.0, 0.1, "", 16.0)
     assert [sink["rate"], source["rate"]] == pytest.approx(rates[1:], abs=1e-6)
-    still = subject.growth(subject.CAPSULE, subject.PRINCIPAL, 0.5, 0.0, 0.0, "", 16.0)
+    still = ends_growth.growth(CAPSULE, PRINCIPAL, 0.5, 0.0, 0.0, "", 16.0)
     assert still[1] == pytest.approx(still[2], abs=1e-4)  # without ε both ends are alike

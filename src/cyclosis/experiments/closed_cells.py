@@ -18,6 +18,9 @@ from ..model.parameters import Parameters
 from ..models.closed.states import REGIMES
 from ..models.fields import flow
 
+PRINCIPAL = "principal"
+CYLINDER, CAPSULE, SPHEROID = SHAPES = ("cylinder 5", "capsule 5", "spheroid 3")
+"""The shapes, in words, and the form of repulsion that are compared over both rates."""
 LANES = 10
 """Seeds that are followed at once."""
 SAME = {"unidirectional": "source-to-sink", "circumferential": "swirl"}
