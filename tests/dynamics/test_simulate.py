@@ -201,6 +201,8 @@ def test_frames_spill_to_disk_and_read_back():
     assert np.array_equal(frames[7], stored[0])
     with pytest.raises(IndexError):
         frames[8]
+    assert [frame[0, 0, 0] for frame in frames[-2:]] == [6.0, 0.0]
+    assert frames[1:1] == []
 
 
 def test_save_times_end_at_the_end():

@@ -6,7 +6,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.models import polar
-from cyclosis.stability.cell.linearised import plane
+from cyclosis.stability.cell.plane import plane
 from cyclosis.stability.profiles.reduced import reduced, reduced_of
 
 PARAMS = cy.Parameters(alpha_p=0.7, alpha_u=0.6, epsilon=0.3, kappa=0.2, repulsion_angle=0.4)

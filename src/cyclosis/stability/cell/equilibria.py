@@ -6,7 +6,8 @@ The unknowns are P and the drift c in
 
 a state that moves at velocity c without changing. Along each direction in which P varies, its position is
 fixed by requiring every step to be orthogonal to the shift, and c has a component; a helix, which a shift
-along it leaves unchanged, has one direction and not two. The linear equations are solved by GMRES,
+along it leaves unchanged, has one direction and not two. On a closed surface c is an angular velocity, and
+shifts are rotations about its axis, or any axis of a sphere. The linear equations are solved by GMRES,
 matrix-free.
 """
 
@@ -18,6 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ...closed.grid import ClosedGrid
+from ...closed.system import PRINCIPAL
 from ...model.doors import door
 from ...model.errors import InputError
 from ...model.filaments import TermLike
@@ -26,7 +29,8 @@ from ...model.parameters import Parameters
 from ...model.wording import beside
 from ...models import polar
 from .krylov import solve
-from .linearised import VARIES, Plane, plane
+from .linearised import VARIES, WholeCell
+from .whole import whole_cell
 
 TOLERANCE = 1e-11
 """Root mean square of dP/dt + c·∇P below which a state counts as found; rounding leaves about 1e-15."""
@@ -49,10 +53,11 @@ STRONG, ALIKE = 0.1, 0.5
 class SteadyState:
     """A steady state, or one that moves without changing, dimensionless.
 
-    `state` P (2, n_theta, n_z); `drift` its velocity (theta, z), zero along directions in which it does not
-    vary; `residual` <|dP/dt + c·∇P|²>^½; `tail` the amplitude beyond two thirds of the resolved wavenumbers
-    over that of all, a measure of how well the grid resolves it; `iterations` of Newton's method; `relaxed`
-    the time for which the guess was simulated before them.
+    `state` P (2, n_theta, n_z); `drift` its velocity (theta, z), or on a closed surface its angular velocity
+    (x, y, z), zero along directions in which it does not vary; `residual` <|dP/dt + c·∇P|²>^½; `tail` the
+    amplitude beyond two thirds of the resolved wavenumbers over that of all, a measure of how well the grid
+    resolves it; `iterations` of Newton's method; `relaxed` the time for which the guess was simulated before
+    them.
 
     Example:
         >>> import cyclosis as cy
@@ -69,25 +74,26 @@ class SteadyState:
     iterations: int
     relaxed: float
     params: Parameters
-    grid: CylinderGrid
+    grid: CylinderGrid | ClosedGrid
 
 
 @door
 def steady_state(
     params: Parameters,
-    grid: CylinderGrid,
+    grid: CylinderGrid | ClosedGrid,
     guess: npt.ArrayLike,
     *,
     terms: Iterable[TermLike] | None = None,
     dealias: str = "none",
+    repulsion: str = PRINCIPAL,
 ) -> SteadyState:
-    """Return the steady or steadily moving state next to a guess P (2, n_theta, n_z).
+    """Return the steady or steadily moving state next to a guess P (2, n_theta, n_z), or (2, n_theta, n_s).
 
-    It solves the equations that `simulate` integrates with the same `terms` and `dealias`, to rounding, and
-    may be stable or unstable. Newton's method starts from the guess and, where that fails, from the result of
-    a short simulation of it. Raises `InputError` for input that does not match, for custom terms, and where
-    no state of the guess's kind is found: disorder or a uniform state is never returned for a guess of
-    stripes.
+    It solves the equations that `simulate` integrates with the same `terms` and `dealias`, on a closed
+    surface with that form of `repulsion` (see `cyclosis.models.closed_model`), to rounding, and may be stable
+    or unstable. Newton's method starts from the guess and, where that fails, from the result of a short
+    simulation of it. Raises `InputError` for input that does not match, for custom terms, and where no state
+    of the guess's kind is found: disorder or a uniform state is never returned for a guess of stripes.
 
     Example:
         >>> import cyclosis as cy
@@ -97,7 +103,7 @@ def steady_state(
         (0.987421, 0.987421)
     """
     P = grid.check_state(guess, "guess", bounded=True)
-    problem = plane(polar.problem(params, grid, terms, dealias))
+    problem = whole_cell(params, grid, terms, dealias, repulsion)
     sought = problem.vector(P)
     begin, passed, verdict = sought, 0.0, ""
     for time in RELAXATIONS:
@@ -112,9 +118,9 @@ def steady_state(
     raise InputError("guess", P, rule, "simulate it for longer first, or change the parameters")
 
 
-def _newton(problem: Plane, begin: Array) -> tuple[Array, Array, float, int]:
+def _newton(problem: WholeCell, begin: Array) -> tuple[Array, Array, float, int]:
     """Return the state, its drift, its residual, and the number of steps."""
-    vector, drift = begin, np.zeros(2)
+    vector, drift = begin, np.zeros(len(problem.free))
     for done in range(ITERATIONS + 1):
         directions = problem.directions(vector)
         drift = directions.T @ (directions @ drift)
@@ -133,7 +139,7 @@ def _newton(problem: Plane, begin: Array) -> tuple[Array, Array, float, int]:
 
 
 def _step(
-    problem: Plane, vector: Array, drift: Array, residual: Array, directions: Array
+    problem: WholeCell, vector: Array, drift: Array, residual: Array, directions: Array
 ) -> tuple[Array, Array]:
     """Return Newton's step of state and drift, the step of the state orthogonal to the shifts."""
     shifts = directions @ problem.slopes(vector)
@@ -145,31 +151,24 @@ def _step(
     return step, directions.T @ (faster / lengths)
 
 
-def _lower(problem: Plane, vector: Array, drift: Array, size: float, fraction: float) -> bool:
+def _lower(problem: WholeCell, vector: Array, drift: Array, size: float, fraction: float) -> bool:
     """Return whether a fraction of a step lowers the residual by a fair part of the linear prediction."""
     after = problem.rate(vector) + drift @ problem.slopes(vector)
     return bool(np.linalg.norm(after) < (1 - 0.25 * fraction) * size)
 
 
-def _unlike(problem: Plane, found: Array, sought: Array) -> str:
+def _unlike(problem: WholeCell, found: Array, sought: Array) -> str:
     """Return how a state differs in kind from the one sought, or ""."""
     size, aim = (float(np.linalg.norm(v)) for v in (found, sought))
     if size <= DISORDER:
         return "ended at disorder" if aim > DISORDER else ""
-    P = problem.state(found)
-    largest = float(np.hypot(*P).max())
+    largest = float(np.hypot(*problem.state(found)).max())
     if largest > polar.bound:
         return f"ended at a state with |P| = {beside(largest, 1.0, 3)}, beyond 1"
-    before = _variation(problem.state(sought))
-    for axis, (now, then) in enumerate(zip(_variation(P), before, strict=True)):
-        if then > STRONG and now < VARIES:
-            return f"ended at a state that is uniform along {('theta', 'z')[axis]}"
+    now, then = problem.variation(found), problem.variation(sought)
+    for axis in then:
+        if then[axis] > STRONG and now[axis] < VARIES:
+            return f"ended at a state that is uniform along {axis}"
     if problem.alike(found, sought) < ALIKE * size * aim:
         return "ended at a state of another pattern"
     return ""
-
-
-def _variation(P: Array) -> list[float]:
-    """Return the relative variation of a state along theta and along z."""
-    whole = max(float(np.sum(P**2)), 1e-300)
-    return [float(np.sqrt(np.sum((P - P.mean(axis, keepdims=True)) ** 2) / whole)) for axis in (1, 2)]

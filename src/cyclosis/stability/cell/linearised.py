@@ -1,9 +1,9 @@
 """The whole cell as a vector equation: the right-hand side of a simulation, and its derivative, matrix-free.
 
-A state is a real vector of 2 n_theta n_z numbers, the real and imaginary parts of its packed Fourier
-coefficients without Nyquist modes, scaled such that the Euclidean norm is <|P|²>^½. The right-hand side is
-that of `cyclosis.model.system`; its derivative is taken by automatic differentiation of the sum of terms, so
-that a steady state found here is also steady in a simulation on the same grid, to rounding.
+A state is a real vector: the real and imaginary parts of its modes, scaled such that the Euclidean norm is
+<|P|²>^½. The right-hand side is that of a simulation; its derivative is taken by automatic differentiation of
+the sum of terms, so that a steady state found here is also steady in a simulation on the same grid, to
+rounding. What cells of different geometry do not share is in `plane` and `closed_surface`.
 """
 
 from __future__ import annotations
@@ -16,14 +16,11 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
-from ...analysis.diagnostics import tail
-from ...contract.model import Problem
 from ...dynamics.advance import Control, advance, start
 from ...dynamics.steppers import phi
-from ...model.errors import InputError
 from ...model.grid import Array
 from ...model.precision import double
-from ...model.system import System, system
+from ...model.system import System
 from ...models import polar
 
 VARIES = 1e-7
@@ -32,118 +29,110 @@ MOST_STEPS = 1_000_000
 
 
 @dataclass(frozen=True)
-class Plane:
+class WholeCell:
     """The filament equation of a cell for vectors (size,), dimensionless.
 
-    `free` says along which axes (theta, z) the couplings are uniform, so that states may be shifted.
+    `free` says of every motion of the surface into itself whether it leaves the equation unchanged, so that
+    it moves one solution to another: shifts on a cylinder, rotations of a closed surface.
     """
 
     system: System
-    free: tuple[bool, bool]
+    free: tuple[bool, ...]
 
     @property
-    def shape(self) -> tuple[int, int]:
-        """(n_theta, n_z)."""
-        return self.system.space.shape
+    def size(self) -> int:
+        """The length of a vector."""
+        raise NotImplementedError
+
+    def packed(self, vector: Array) -> Any:
+        """Return the modes of a vector."""
+        raise NotImplementedError
+
+    def flat(self, packed: Any) -> Array:
+        """Return the vector of modes."""
+        raise NotImplementedError
+
+    def slopes(self, vector: Array) -> Array:
+        """Return the derivatives of a state along every motion, (motions, size)."""
+        raise NotImplementedError
+
+    def alike(self, one: Array, other: Array) -> float:
+        """Return the scalar product of two vectors, maximised over free motions."""
+        raise NotImplementedError
+
+    def tail(self, vector: Array) -> float:
+        """Return the amplitude beyond two thirds of the resolved wavenumbers over that of all."""
+        raise NotImplementedError
+
+    def variation(self, vector: Array) -> dict[str, float]:
+        """Return the relative variation of a state along each axis by name."""
+        raise NotImplementedError
+
+    def moving(self, drift: Array) -> Any:
+        """Return the part of c·∇, with c the drift, that is diagonal in the modes; 0 for none."""
+        raise NotImplementedError
+
+    def carried(self, drift: Array) -> Any:
+        """Return the rest of c·∇ as a function of modes that JAX may trace, or None for none."""
+        return None
 
     @property
     def local(self) -> float:
         """A typical rate at which perturbations unaffected by diffusion decay."""
         return float(np.mean(self.system.values.alpha_p) + np.mean(self.system.values.alpha_u))
 
-    @property
-    def size(self) -> int:
-        """The length of a vector."""
-        return 2 * self.shape[0] * self.shape[1]
-
     def vector(self, state: npt.ArrayLike) -> Array:
-        """Return the vector of a state (2, n_theta, n_z)."""
-        return self._flat(self.system.spectrum(state))
+        """Return the vector of a state (2, ...)."""
+        return self.flat(self.system.spectrum(state))
 
     def state(self, vector: Array) -> Array:
-        """Return the state (2, n_theta, n_z) of a vector."""
-        return self.system.state(self._packed(vector))
+        """Return the state (2, ...) of a vector."""
+        return self.system.state(self.packed(vector))
 
     def rate(self, vector: Array) -> Array:
         """Return dP/dt."""
         with double():
-            return self._flat(_rate(self.system, self._packed(vector)))
-
-    def slopes(self, vector: Array) -> Array:
-        """Return the derivatives along theta and z, (2, size)."""
-        packed = self._packed(vector)
-        return np.stack([self._flat(1j * k * packed) for k in (self.system.space.m, self.system.space.q)])
+            return self.flat(_rate(self.system, self.packed(vector)))
 
     def directions(self, vector: Array) -> Array:
-        """Return orthonormal directions (count, 2) of the (theta, z) plane along which a shift has an effect.
+        """Return orthonormal directions (count, motions) along which a free motion has an effect.
 
-        Zero for a uniform state or where no axis is free, one for straight or tilted stripes, else two.
+        On a cylinder none for a uniform state, one for straight or tilted stripes, else two.
         """
         slopes = self.slopes(vector) * np.array(self.free)[:, None]
         lengths, axes = np.linalg.eigh(slopes @ slopes.T)
         felt = lengths > (VARIES * max(float(np.linalg.norm(vector)), 1e-12)) ** 2
         return np.asarray(axes.T[felt][::-1], dtype=np.float64)
 
-    def tail(self, vector: Array) -> float:
-        """Return the amplitude beyond two thirds of the resolved wavenumbers over that of all."""
-        with double():
-            return float(tail(self.system, np.abs(self._packed(vector)) ** 2))
-
     def noise(self, count: int) -> Array:
         """Return random vectors (count, size), the same each time, whose modes fall with wavenumber."""
         space = self.system.space
-        drawn = np.random.default_rng(0).normal(size=(count, *self.shape, 2))
+        drawn = np.random.default_rng(0).normal(size=(count, *space.keep.shape, 2))
         weight = np.asarray(space.keep) / (1.0 + np.asarray(space.k2))
-        return (drawn * weight[..., None]).reshape(count, -1)
-
-    def alike(self, one: Array, other: Array) -> float:
-        """Return the scalar product of two vectors, maximised over shifts along free axes."""
-        product = np.fft.ifft2(self._packed(one) * np.conj(self._packed(other))).real / (0.5 * self.size)
-        shifts = tuple(slice(None) if free else slice(1) for free in self.free)
-        return float(product[shifts].max())
+        weighted = np.ascontiguousarray(drawn * weight[..., None]).view(np.complex128)[..., 0]
+        return np.stack([self.flat(packed) for packed in weighted])
 
     def linearised(self, vector: Array, drift: Array) -> Linearised:
-        """Return the derivative of dP/dt + c·∇P at a state, c the drift (2,)."""
+        """Return the derivative of dP/dt + c·∇P at a state, c the drift (motions,)."""
         with double():
-            tangent = _tangent(self.system, self._packed(vector))
+            tangent = _tangent(self.system, self.carried(drift), self.packed(vector))
             linear = np.asarray(self.system.linear())
-            shift = drift[0] * self.system.space.m + drift[1] * self.system.space.q
-            return Linearised(self.shape, tangent, linear, jax.device_put(linear + 1j * shift))
+            return Linearised(self, tangent, linear, jax.device_put(linear + self.moving(drift)))
 
     def relaxed(self, vector: Array, duration: float) -> Array:
         """Return a state after a simulation over `duration` with default tolerances."""
         with double():
             control = Control.of(rtol=1e-4, atol=1e-10, bound=polar.bound)
-            began = start(self.system, self._packed(vector), np.float64(0.0))
+            began = start(self.system, self.packed(vector), np.float64(0.0))
             end = advance(self.system, control, began, np.float64(duration), np.int64(MOST_STEPS))
-            return self._flat(end.spectrum)
-
-    def _packed(self, vector: Array) -> Any:
-        return vector.view(np.complex128).reshape(self.shape) * (0.5 * self.size)
-
-    def _flat(self, packed: Any) -> Array:
-        return (np.asarray(packed) / (0.5 * self.size)).ravel().view(np.float64)
-
-
-def plane(problem: Problem) -> Plane:
-    """Return the `Plane` of a problem of the polar model, always in double precision.
-
-    Raises `InputError` for custom terms, which need not be autonomous.
-    """
-    for term in problem.terms:
-        if term.kind == "custom":
-            raise InputError("terms", term.name, "terms of the model, which do not depend on time", "omit it")
-    fields = [value for _, value in problem.params.items() if isinstance(value, np.ndarray)]
-    free = tuple(all(np.ptp(field, axis=axis).max() == 0 for field in fields) for axis in (0, 1))
-    whole = system(problem.params, problem.grid, problem.terms, problem.dealias)
-    return Plane(whole, (free[0], free[1]))
+            return self.flat(end.spectrum)
 
 
 @dataclass(frozen=True)
 class Linearised:
-    """The derivative J of dP/dt + c·∇P at a state; `symbol` is its part that is diagonal in Fourier space."""
+    """The derivative J of dP/dt + c·∇P at a state; `symbol` is its part that is diagonal in the modes."""
 
-    shape: tuple[int, int]
+    cell: WholeCell
     tangent: Any
     linear: Array
     symbol: Any
@@ -155,30 +144,24 @@ class Linearised:
         if vectors.ndim == 2:
             return np.stack([self(vector) for vector in vectors])
         with double():
-            return self._flat(_apply(self.tangent, self.symbol, self._packed(vectors)))
+            return self.cell.flat(_apply(self.tangent, self.symbol, self.cell.packed(vectors)))
 
     @property
     def diagonal(self) -> Array:
         """The symbol of diffusion and rotational diffusion, (size,)."""
-        return np.repeat(self.linear.ravel(), 2)
+        return self.cell.flat(self.linear * (1 + 1j)) / self.cell.flat(np.ones_like(self.linear) * (1 + 1j))
 
     def fastest(self, vector: Array) -> float:
         """Return an estimate of the largest rate in J without its diagonal part, from any vector."""
         with double():
-            return float(_fastest(self.tangent, self._packed(vector)))
+            return float(_fastest(self.tangent, self.cell.packed(vector)))
 
     def evolved(self, vectors: Array, step: float, steps: int) -> Array:
         """Return v (rows, size) after some time steps of dv/dt = J v, to the accuracy of ETD2RK."""
         with double():
-            begun = [self._packed(vector) for vector in vectors]
+            begun = [self.cell.packed(vector) for vector in vectors]
             found = [_evolved(self.tangent, self.symbol, packed, step, steps) for packed in begun]
-        return np.stack([self._flat(packed) for packed in found])
-
-    def _packed(self, vector: Array) -> Any:
-        return np.ascontiguousarray(vector).view(np.complex128).reshape(self.shape)
-
-    def _flat(self, packed: Any) -> Array:
-        return np.array(packed).ravel().view(np.float64)
+        return np.stack([self.cell.flat(packed) for packed in found])
 
 
 @jax.jit
@@ -187,11 +170,12 @@ def _rate(system: System, packed: Any) -> Any:
 
 
 @jax.jit
-def _tangent(system: System, packed: Any) -> Any:
-    """Return the derivative of the nonlinear terms as a function that is linear over the reals."""
+def _tangent(system: System, carried: Any, packed: Any) -> Any:
+    """Return the derivative of the nonlinear terms and of `carried`, a function linear over the reals."""
 
     def nonlinear(moved: Any) -> Any:
-        return system.space.keep * system.nonlinear(system.at(moved))
+        rate = system.space.keep * system.nonlinear(system.at(moved))
+        return rate if carried is None else rate + carried(moved)
 
     return jax.linearize(nonlinear, packed)[1]
 

@@ -21,15 +21,17 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
+from ...closed.grid import ClosedGrid
+from ...closed.system import PRINCIPAL
 from ...model.doors import door
 from ...model.errors import InputError, whole
 from ...model.filaments import TermLike
 from ...model.grid import Array, CylinderGrid
 from ...model.parameters import Parameters
-from ...models import polar
 from .equilibria import SteadyState
 from .krylov import solve, times
-from .linearised import Linearised, Plane, plane
+from .linearised import Linearised, WholeCell
+from .whole import whole_cell
 
 Complex = npt.NDArray[np.complex128]
 
@@ -51,14 +53,15 @@ STEADY = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class CellModes:
-    """Modes v e^{λt} of small perturbations of a state that moves at `drift` (2,), dimensionless.
+    """Modes v e^{λt} of small perturbations of a state that moves at `drift`, dimensionless.
 
-    `eigenvalues` λ (count,), the largest real part first; `modes` v (count, 2, n_theta, n_z), complex, with
-    <|v|²> = 1, as real as a phase can make them; `residuals` <|J v - λ v|²>^½ (count,); `shifts` (count,) the
-    share of each mode in the space of shifts: near 1 for a neutral one, but also large for some that decay.
-    Perturbations are the real parts of v e^{λt}, seen from a frame that moves with the state. In the
-    discretised equations λ of a shift is zero only as far as the grid resolves the state, and so measures how
-    well it does; with `dealias = "full"` it is zero to rounding.
+    `drift` is (2,), or on a closed surface an angular velocity (3,); `eigenvalues` λ (count,), the largest
+    real part first; `modes` v (count, 2, n_theta, n_z), complex, with <|v|²> = 1, as real as a phase can make
+    them; `residuals` <|J v - λ v|²>^½ (count,); `shifts` (count,) the share of each mode in the space of
+    shifts, or of rotations: near 1 for a neutral one, but also large for some that decay. Perturbations are
+    the real parts of v e^{λt}, seen from a frame that moves with the state. In the discretised equations λ of
+    a shift is zero only as far as the grid resolves the state, and so measures how well it does; with
+    `dealias = "full"` it is zero to rounding, as it always is about the axis of a closed cell.
 
     Example:
         >>> import cyclosis as cy
@@ -74,25 +77,26 @@ class CellModes:
     residuals: Array
     shifts: Array
     drift: Array
-    grid: CylinderGrid
+    grid: CylinderGrid | ClosedGrid
 
 
 @door
 def leading_modes(
     params: Parameters,
-    grid: CylinderGrid,
+    grid: CylinderGrid | ClosedGrid,
     state: SteadyState | npt.ArrayLike,
     count: int = 6,
     *,
     terms: Iterable[TermLike] | None = None,
     dealias: str = "none",
+    repulsion: str = PRINCIPAL,
 ) -> CellModes:
     """Return the `count` modes of largest growth rate about a steady or steadily moving state.
 
-    `state` is P (2, n_theta, n_z), or what `steady_state` returned; `terms` and `dealias` are those under
-    which it is steady. Conjugate modes count as two, and so do different modes with the same eigenvalue.
-    Raises `InputError` for input that does not match, for a state that is neither steady nor moves without
-    changing, and where the modes are not found.
+    `state` is P (2, n_theta, n_z), or what `steady_state` returned; `terms`, `dealias` and, on a closed
+    surface, `repulsion` are those under which it is steady. Conjugate modes count as two, and so do different
+    modes with the same eigenvalue. Raises `InputError` for input that does not match, for a state that is
+    neither steady nor moves without changing, and where the modes are not found.
 
     Example:
         >>> import cyclosis as cy
@@ -102,9 +106,9 @@ def leading_modes(
         >>> found.eigenvalues.real.round(6)  # all filaments tilt back at α_u P0² - κ
         array([-0.01])
     """
-    count = whole("count", count, 1, min(64, grid.n_theta * grid.n_z // 16), "ask for fewer modes")
     P = grid.check_state(state.state if isinstance(state, SteadyState) else state)
-    problem = plane(polar.problem(params, grid, terms, dealias))
+    problem = whole_cell(params, grid, terms, dealias, repulsion)
+    count = whole("count", count, 1, min(64, problem.size // 32), "ask for fewer modes")
     vector = problem.vector(P)
     drift = _drift(problem, vector, P)
     operator = problem.linearised(vector, drift)
@@ -117,7 +121,7 @@ def leading_modes(
     return CellModes(values, fields, residuals, shifts, drift, grid)
 
 
-def _drift(problem: Plane, vector: Array, P: Array) -> Array:
+def _drift(problem: WholeCell, vector: Array, P: Array) -> Array:
     """Return the velocity at which a state moves, or refuse a state that changes in another way."""
     directions = problem.directions(vector)
     shifts = directions @ problem.slopes(vector)
@@ -130,7 +134,7 @@ def _drift(problem: Plane, vector: Array, P: Array) -> Array:
     return np.asarray(directions.T @ speeds, dtype=np.float64)
 
 
-def _rough(operator: Linearised, problem: Plane, count: int) -> Array:
+def _rough(operator: Linearised, problem: WholeCell, count: int) -> Array:
     """Return orthonormal rows (rows, size) that nearly span the leading modes and a few more."""
     start = problem.noise(count + SPARE)
     step = 1.0 / max(operator.fastest(start[0]), SLOWEST)
@@ -217,11 +221,8 @@ def _orthonormal(rows: Array, against: Array | None = None) -> Array:
     return np.ascontiguousarray(rows)
 
 
-def _field(problem: Plane, vector: Complex) -> Complex:
+def _field(problem: WholeCell, vector: Complex) -> Complex:
     """Return a mode (2, n_theta, n_z) of size 1, with the phase that makes it as real as possible."""
-    field = problem.state(np.ascontiguousarray(vector.real)) + 1j * problem.state(
-        np.ascontiguousarray(vector.imag)
-    )
-    field = field * np.exp(-0.5j * np.angle(np.sum(field**2)))
-    largest = field.ravel()[np.argmax(np.abs(field.real))].real
-    return field * (np.sign(largest) / np.sqrt(np.mean(np.sum(np.abs(field) ** 2, axis=0))))
+    turned = vector * np.exp(-0.5j * np.angle(np.sum(vector**2))) / np.linalg.norm(vector)
+    field = problem.state(turned.real.copy()) + 1j * problem.state(turned.imag.copy())
+    return field * np.sign(field.ravel()[np.argmax(np.abs(field.real))].real)
