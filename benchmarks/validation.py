@@ -28,6 +28,7 @@ SECTIONS = {
     "continuation": "Branches of states",
     "kinetic": "The kinetic model",
     "vacuole": "The flow in the vacuole",
+    "closed": "Closed cells",
 }
 
 

@@ -10,9 +10,9 @@ from numpy.polynomial import legendre
 import closed_oracle as oracle
 import cyclosis as cy
 from cyclosis.model.precision import double
+from measure import closed as measured
+from measure.closed import FIELD, PARAMS, errors, state
 
-PARAMS = cy.Parameters(epsilon=0.2, alpha_p=0.8, alpha_u=0.6, kappa=0.7, d_s=0.04, d_r=0.03, mu=0.08)
-FIELD = oracle.Waves()
 RATE = jax.jit(lambda system, modes: system.rate(system.at(modes, 0.0)))
 SURFACES = {
     "sphere": (cy.Sphere(), oracle.ellipse(1.0), (14, 44)),
@@ -20,12 +20,6 @@ SURFACES = {
     "flat": (cy.Spheroid(0.6), oracle.ellipse(0.6), (16, 48)),
     "capsule": (cy.Capsule(5.0, 0.4), oracle.capsule(5.0, 0.4), (14, 80)),
 }
-
-
-def state(grid):
-    """The tangent part of the field of the oracle."""
-    values = FIELD.value(np.moveaxis(grid.xyz, 0, -1))
-    return cy.closed.from_vectors(grid, np.moveaxis(values, -1, 0))
 
 
 @pytest.fixture(scope="module")
@@ -36,24 +30,10 @@ def exact():
     def at(name):
         if name not in known:
             _, shape, resolution = SURFACES[name]
-            rng = np.random.default_rng(1)
-            t = np.concatenate([[0, shape[1], 1e-4, 0.1], rng.uniform(0, shape[1], 30)])
-            theta = np.concatenate([[0, 0], rng.uniform(0, 6, len(t) - 2)])
-            known[name] = oracle.rate(shape, FIELD, PARAMS, (t, theta), *resolution)
+            known[name] = measured.exact(shape, resolution)
         return known[name]
 
     return at
-
-
-def errors(name, k_max, known):
-    """The largest errors of dP/dt and of u at the points."""
-    grid = cy.ClosedGrid(SURFACES[name][0], k_max=k_max)
-    P, x = state(grid), known.here.x
-    rate = grid.cartesian(cy.rate_of_change(PARAMS, grid, P), x) - known.rate["principal"]
-    return [
-        float(np.abs(rate).max()),
-        float(np.abs(grid.cartesian(cy.flow(PARAMS, grid, P), x) - known.u).max()),
-    ]
 
 
 @pytest.mark.parametrize(
@@ -67,7 +47,7 @@ def errors(name, k_max, known):
 )
 def test_the_right_hand_side_converges_to_the_oracle(name, bounds, exact):
     """Spectrally fast: on the pointed spheroid slowly, because its ends repel filaments sharply."""
-    found = {k_max: errors(name, k_max, exact(name)) for k_max in bounds}
+    found = {k_max: errors(SURFACES[name][0], k_max, exact(name)) for k_max in bounds}
     for k_max, bound in bounds.items():
         assert np.all(np.array(found[k_max]) < bound), found
 

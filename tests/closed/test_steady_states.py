@@ -8,6 +8,8 @@ from scipy.special import lpmv
 
 import cyclosis as cy
 from cyclosis.stability.cell.whole import whole_cell
+from measure import check
+from measure.closed import middle
 
 PARAMS = cy.Parameters()
 
@@ -148,12 +150,4 @@ def test_a_droplet_circulates():
 )
 def test_the_middle_of_a_long_capsule_is_the_periodic_cylinder(length, k_max, of_order, of_flow):
     """With the same profile around the cell. At a length of 5 the ends change the flow there by 0.012."""
-    grid, line = cy.ClosedGrid(cy.Capsule(length), k_max=k_max), cy.CylinderGrid(96, 1)
-    run = cy.simulate(PARAMS, grid, cy.closed.rotation(grid), 60.0, 60.0, stepper="etdrk4", dt=0.25)
-    flat = cy.simulate(PARAMS, line, cy.initial.stripes(line), 100.0, 100.0)
-    circle = np.stack([np.cos(line.theta), np.sin(line.theta), 0 * line.theta], -1)
-    for field, bound in ((lambda *of: of[-1], of_order), (cy.flow, of_flow)):
-        found = grid.cartesian(field(PARAMS, grid, run.final_state), circle)[:, 2]
-        profile = np.roll(field(PARAMS, line, flat.final_state)[1, :, 0], 24)  # -cos θ instead of sin θ
-        assert np.abs(profile).max() > 0.97
-        assert np.abs(found - profile).max() < bound
+    check(middle(length, k_max, of_order, of_flow))
