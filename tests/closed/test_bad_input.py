@@ -8,6 +8,7 @@ import cyclosis as cy
 from cyclosis import config
 from cyclosis.closed.shapes import shape_of
 from cyclosis.models.closed.shape_table import grid_of
+from cyclosis.models.closed.starts import closed_state
 
 GRID = cy.ClosedGrid(cy.Capsule(2.0), k_max=6)
 OTHER = cy.ClosedGrid(cy.Capsule(2.0), k_max=8)
@@ -97,5 +98,61 @@ def test_a_file_of_a_cylinder_is_no_state(tmp_path):
         config.setup(config.check(tables))
     run = tmp_path / "run.nc"
     run.write_bytes(b"\x89HDF\r\n\x1a\n")
-    with pytest.raises(cy.InputError, match=r"a .npy file with a state of shape"):
+    with pytest.raises(cy.InputError, match=r"must be a .nc file of a run on a closed surface"):
         config.setup(config.check(tables | {"initial": {"kind": "file", "path": str(run)}}))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Runs of a closed cell and of a cylinder."""
+    folder, run = tmp_path_factory.mktemp("runs"), {"t_end": 0.1, "save_every": 0.1}
+    made = {}
+    for name, grid, state in (
+        ("closed", GRID, STATE),
+        ("cylinder", CYLINDER, cy.initial.stripes(CYLINDER)),
+    ):
+        made[name] = folder / f"{name}.nc"
+        cy.write(cy.simulate(cy.Parameters(), grid, state, **run), made[name])
+    return made
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "words"),
+    [
+        ("cylinder", {}, "the cell in .* = 'a cylinder' cannot be used: it must be a closed surface"),
+        ("closed", {"frame": 7}, "frame = 7"),
+        ("closed", {"stretch": True}, "stretch = True"),
+    ],
+)
+def test_files_that_hold_no_such_state(files, name, given, words):
+    grid = GRID if name == "closed" else cy.ClosedGrid(cy.Sphere(), k_max=6)
+    with pytest.raises(cy.InputError, match=words):
+        closed_state({"kind": "file", "path": str(files[name]), **given}, grid)
+
+
+def test_a_run_on_another_shape_is_no_state(files):
+    with pytest.raises(cy.InputError, match=r"the surface in .*Capsule"):
+        closed_state({"kind": "file", "path": str(files["closed"])}, cy.ClosedGrid(cy.Sphere(), k_max=6))
+
+
+def test_a_run_gives_the_state_of_a_grid_of_any_resolution(files):
+    given = {"kind": "file", "path": str(files["closed"])}
+    same = closed_state(given, GRID)
+    with cy.open_dataset(files["closed"]) as data:
+        assert np.array_equal(same, data["P"][-1].values)
+    finer = cy.ClosedGrid(GRID.surface, k_max=GRID.k_max + 3)
+    points = np.moveaxis(GRID.xyz, 0, -1).reshape(-1, 3)
+    found = [
+        grid.cartesian(state, points) for grid, state in ((GRID, same), (finer, closed_state(given, finer)))
+    ]
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-10)
+
+
+def test_fields_may_name_their_dimensions():
+    """In any order, and as they do in files of closed cells."""
+    alpha_p = 0.5 + 0.1 * np.cos(GRID.theta)[:, None] * np.ones(GRID.shape)
+    named = xarray.DataArray(alpha_p, dims=("theta", "s"))
+    for given in (named, named.T):
+        assert np.array_equal(cy.Parameters(alpha_p=given).alpha_p, alpha_p)
+    with pytest.raises(cy.InputError, match="dimensions of alpha_p"):
+        cy.Parameters(alpha_p=named.rename(theta="longitude"))

@@ -167,14 +167,12 @@ def rows():
     """All rows."""
     return [
         *of_sphere(),
-        *(
-            row
-            for name, k in (("sphere", 26), ("spheroid", 32), ("capsule", 26))
-            for row in eigenvalues(name, k)
-        ),
+        *eigenvalues("sphere", 26),
+        *eigenvalues("spheroid", 32),
+        *eigenvalues("capsule", 26),
         *of_oracle(),
         *(row for name in STORED for row in stored(name)),
         *order(),
         *middle(10, 20, 3e-3, 2e-3),
-        *middle(16, 28, 2e-4, 2e-4),
+        *middle(16, 32, 5e-5, 1e-4),
     ]

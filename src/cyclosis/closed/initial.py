@@ -146,7 +146,7 @@ def rotation(grid: ClosedGrid, magnitude: float = 0.9) -> Array:
     """Return two counter-streaming stripes that are joined over the poles: P ∝ e_y x (x, y, z).
 
     A rotation about an axis perpendicular to the cell, of largest magnitude `magnitude`: cyclosis of a closed
-    cell. On a long cell its middle is `cyclosis.initial.stripes`, cos θ instead of sin θ.
+    cell. On a long cell its middle is `cyclosis.initial.stripes` with -cos θ instead of sin θ.
 
     Example:
         >>> import numpy as np

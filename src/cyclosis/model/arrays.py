@@ -22,6 +22,8 @@ Dims = tuple[str | EllipsisType, ...]
 
 STATE_DIMS = ("component", "theta", "z")
 FIELD_DIMS = ("theta", "z")
+SURFACE_DIMS = ("theta", "s")
+"""Those of a field on a closed surface, whose s is the arc length along a meridian."""
 COMPONENTS = ("theta", "z")
 """The labels of the dimension `component`."""
 AS_GIVEN = re.compile(r"dim_\d+")

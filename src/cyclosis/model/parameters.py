@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..display.notebook import alignments, tree
-from .arrays import CLOSE, FIELD_DIMS, by_names, dimensions, even, numbers
+from .arrays import CLOSE, FIELD_DIMS, SURFACE_DIMS, by_names, dimensions, even, numbers
+from .carried import labelled
 from .definitions import PARAMETERS, defaults, definition
 from .errors import InputError
 
@@ -176,10 +177,15 @@ def _text(value: Any) -> str:
     return f"<field {value.shape}>" if isinstance(value, np.ndarray) else f"{value!r}"
 
 
+def _dims_of(value: Any) -> tuple[str, ...]:
+    """Return the order of a field's dimensions: those of a closed surface where one of them is its s."""
+    return SURFACE_DIMS if labelled(value) and "s" in map(str, value.dims) else FIELD_DIMS
+
+
 def _field(name: str, value: Any) -> npt.NDArray[np.float64]:
     item = definition("parameters", name)
     rule = f"a number or an array (n_theta, n_z) of numbers {item.rule}"
-    array = numbers(name, value, rule, "give a two-dimensional array of real numbers", FIELD_DIMS)
+    array = numbers(name, value, rule, "give a two-dimensional array of real numbers", _dims_of(value))
     if array.ndim != 2 or not array.size:
         raise InputError(name, array, rule, "give a two-dimensional array of real numbers")
     if not np.all(np.isfinite(array)) or array.min() < item.minimum or array.max() > item.maximum:

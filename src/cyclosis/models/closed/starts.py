@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from ...closed import initial
 from ...closed.grid import Array, ClosedGrid
 from ...model.definitions import INITIAL
 from ...model.errors import InputError
 from ...model.starts import check_initial
+from .stored_states import from_file
 
 NOISE = ("seed", "filaments_per_square")
 
@@ -20,7 +19,8 @@ def closed_state(given: Mapping[str, Any], grid: ClosedGrid) -> Array:
     """Return the state that an [initial] table describes.
 
     `stripes` is a rotation about an axis perpendicular to the cell, `unidirectional` runs from the south pole
-    to the north, `circumferential` around the axis, and `file` is a .npy file of a state on this grid.
+    to the north, `circumferential` around the axis, and `file` is a run on the same surface, or a .npy
+    file of a state on this grid.
     """
     check_initial(given)
     kind = given.get("kind", INITIAL[0].default)
@@ -31,7 +31,10 @@ def closed_state(given: Mapping[str, Any], grid: ClosedGrid) -> Array:
     if kind == "disordered":
         return initial.disordered(grid, **noise)
     if kind == "file":
-        state = _stored(given, grid)
+        if given.get("stretch"):
+            rule = "false on a closed surface, whose shape is that of the file"
+            raise InputError("stretch", True, rule, "leave it out")
+        state = from_file(str(given["path"]), grid, given.get("frame", -1))
     else:
         magnitude = {key: given[key] for key in ("magnitude",) if key in given}
         if kind == "stripes" and given.get("stripes", 2) != 2:
@@ -45,16 +48,6 @@ def closed_state(given: Mapping[str, Any], grid: ClosedGrid) -> Array:
     if "filaments_per_square" in noise:
         return initial.with_noise(state, grid, **noise)
     return state
-
-
-def _stored(given: Mapping[str, Any], grid: ClosedGrid) -> Array:
-    path = str(given["path"])
-    rule = f"a .npy file with a state of shape {(2, *grid.shape)}"
-    try:
-        found = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError("path", path, rule, "store one with numpy.save") from error
-    return grid.check_state(found, f"the state in {path}", bounded=True)
 
 
 def filled(given: Mapping[str, Any], ends: Any) -> dict[str, Any]:
