@@ -19,8 +19,8 @@ def from_file(path: str, grid: ClosedGrid, frame: int = -1) -> Array:
     """Return a state (2, n_theta, n_s) stored in a file, on `grid`.
 
     From a NetCDF file of a run it takes `frame` of P. The surface of the run must be that of `grid`; where
-    k_max or the points differ, the field is evaluated at the points of `grid` and projected. A `.npy` file holds an
-    array of the grid's own shape. Raises `InputError` for other files, frames and surfaces.
+    k_max or the points differ, the field is evaluated at the points of `grid` and projected. A `.npy` file
+    holds an array of the grid's own shape. Raises `InputError` for other files, frames and surfaces.
     """
     try:
         if str(path).endswith(".npy"):
