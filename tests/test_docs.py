@@ -117,7 +117,19 @@ def blocks(page):
     return re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page)], ids=named)
+def timed(pages):
+    """The pages as parameters; those that take longest are slow, and run when the site is built, too."""
+    return [
+        pytest.param(page, id=named(page), marks=[pytest.mark.slow] if page.name in LONG else [])
+        for page in pages
+    ]
+
+
+LONG = ("scan.md", "gpu.md", "diagnostic.md", "kinetic.md", "closed.md", "protocols.md", "numerics.md")
+"""Pages with code that takes long."""
+
+
+@pytest.mark.parametrize("page", timed(page for page in PAGES if blocks(page)))
 def test_the_python_of_the_pages_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for block in blocks(page):
@@ -139,7 +151,7 @@ SMALLER = {
 """What makes the cells of pages quick; as they are, `make docs` runs them."""
 
 
-@pytest.mark.parametrize("page", EXECUTED, ids=named)
+@pytest.mark.parametrize("page", timed(EXECUTED))
 def test_the_cells_of_the_pages_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")

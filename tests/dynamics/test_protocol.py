@@ -192,6 +192,7 @@ def test_steps_land_on_events_exactly(monkeypatch):
     assert set(events) <= {end for _, end, _ in reached}
 
 
+@pytest.mark.slow
 def test_parameters_in_force():
     protocol = cy.Protocol(
         cy.change(at=1.0, alpha_p=0.5),

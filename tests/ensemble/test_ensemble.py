@@ -76,6 +76,7 @@ def test_lanes_that_nobody_asked_for_are_no_more_than_members_need(monkeypatch, 
     assert set(widths) == {8}
 
 
+@pytest.mark.slow
 def test_regimes_do_not_depend_on_the_number_of_lanes_or_the_precision():
     members = various()
     outcomes = [

@@ -40,18 +40,20 @@ def test_it_leaves_a_dataset_a_figure_and_a_verdict(done):
         assert stored.sizes["seed"] == 2
 
 
+@pytest.mark.slow
 def test_it_goes_on_from_its_stores(done):
     again = perform("recovery", done.file.parent, seeds=2, quick=True, workers=1, force=True)
     assert np.array_equal(again.dataset["zone_shift"], done.dataset["zone_shift"], equal_nan=True)
 
 
-def test_standing_files_unknown_names_and_other_datasets_are_refused(done):
+def test_standing_files_unknown_names_and_other_datasets_are_refused(tmp_path):
+    (tmp_path / "recovery.nc").touch()
     with pytest.raises(cy.InputError, match="force"):
-        perform("recovery", done.file.parent, seeds=2, quick=True)
+        perform("recovery", tmp_path, seeds=2, quick=True)
     with pytest.raises(cy.InputError, match="one of emergence"):
-        perform("levitation", done.file.parent)
+        perform("levitation", tmp_path)
     with pytest.raises(cy.InputError, match="seeds"):
-        perform("recovery", done.file.parent / "new", seeds=0)
+        perform("recovery", tmp_path / "new", seeds=0)
     with pytest.raises(cy.InputError, match="experiment"):
         verdict_of(xarray.Dataset())
 

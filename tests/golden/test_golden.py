@@ -15,7 +15,12 @@ ROUNDING = {"float32": 2e-3}
 """How far rounding may drive results apart, relative to the largest number; 1e-6 where nothing is said."""
 
 
-@pytest.mark.parametrize("name", CASES)
+LONG = ("protocol",)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in CASES]
+)
 def test_nothing_has_changed(name):
     with np.load(Path(__file__).parent / f"{name.replace(' ', '-')}.npz") as file:
         stored = dict(file)

@@ -34,6 +34,7 @@ def run(t_end=60.0, save_every=1.0, params=PARAMS, state=None, **settings):
     return cy.simulate(params, GRID, state, t_end, save_every, model=ring, **settings)
 
 
+@pytest.mark.slow
 def test_order_grows_at_its_rate_and_ends_in_a_von_mises_distribution():
     found = run(rtol=1e-8)
     assert found.status == "completed", found.message

@@ -14,6 +14,7 @@ from measure import check, kinetic
 from measure.kinetic import GENERAL, GRID, KINETIC, MODES, right_hand_side, run, smooth
 
 
+@pytest.mark.slow
 def test_the_reference_of_an_independent_program():
     """Two programs made the file: see the README beside it."""
     check(kinetic.reference(32, 24, (0.5,)))
@@ -45,6 +46,7 @@ def test_states_that_are_steady():
     assert np.abs(right_hand_side(fields, GRID, cy.kinetic.nematic(fields, GRID, 40))).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_order_without_repulsion_is_that_of_von_mises():
     check(kinetic.uniform_orders())
     found = abs(cy.kinetic.uniform_state(cy.Parameters(alpha_p=0.5, d_r=0.05, kappa=0.0))[1])
@@ -67,6 +69,7 @@ def test_the_concentration_is_conserved_and_becomes_even():
     assert all(np.ptp(b[0].real) < np.ptp(a[0].real) for a, b in itertools.pairwise(frames))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepper", ["etdrk4", "rk4"])
 def test_orders_in_time(stepper):
     check(kinetic.order_in_time(stepper))
@@ -121,6 +124,7 @@ def test_the_curve_of_the_aligned_limit(rest, expected):
     assert found == pytest.approx(expected, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_torques_by_rates_grow_from_isotropy_as_the_paper_s_words_say():
     params = cy.Parameters(alpha_p=0.4, d_r=0.05, kappa=0.0)
     m = cy.kinetic.dressed(cy.initial.unidirectional(GRID, 1e-5), 12)

@@ -64,6 +64,7 @@ def test_points_and_modes_converge():
     assert errors[2] < 1e-9
 
 
+@pytest.mark.slow
 def test_mirror_images_travel_the_other_way():
     right = state(24, 16)
     left = cy.kinetic.travelling_state(MILD, 24, 16, hand="left")
@@ -171,6 +172,7 @@ def test_about_a_uniform_state_the_growth_rates_are_those_of_its_matrix():
         assert np.sort(found.real) == pytest.approx(np.sort(exact.real), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axial_mode", "number"), [(0, 0), (0, 2), (1, 0)])
 def test_modes_grow_in_runs_as_the_spectrum_says(axial_mode, number):
     check(kinetic_states.mode(axial_mode, number))

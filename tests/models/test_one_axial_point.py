@@ -81,6 +81,7 @@ def test_other_small_numbers_are_refused(n_z):
         cy.CylinderGrid(48, n_z)
 
 
+@pytest.mark.slow
 def test_too_few_points_around_are_noticed_and_more_of_them_named():
     coarse = cy.CylinderGrid(16, 1)
     run = cy.simulate(cy.Parameters(), coarse, cy.initial.disordered(coarse, seed=0), 30.0)

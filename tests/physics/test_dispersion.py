@@ -12,6 +12,7 @@ def test_growth_from_disorder(name):
     check(dispersion.disorder(name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", dispersion.ORDERED)
 def test_growth_from_the_unidirectional_state(name):
     """Each mode's 2 x 2 matrix, oblique modes with ε ≠ 0 included."""

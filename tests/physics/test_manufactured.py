@@ -26,6 +26,7 @@ def test_adaptive_pair_is_of_fourth_order():
     check(manufactured.adaptive())
 
 
+@pytest.mark.slow
 def test_error_estimate_is_that_of_a_third_order_method():
     """One step: estimate h⁴, true error h⁵."""
     check(manufactured.estimate())

@@ -47,6 +47,7 @@ def test_force_laws():
     check(right_hand_side.force_laws())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [(24, 16), (15, 21)])
 def test_full_padding_removes_all_aliasing(shape):
     check(right_hand_side.padded(shape))

@@ -13,7 +13,7 @@ def test_the_files_are_those_of_the_note():
         assert hashlib.sha256((reference.FOLDER / f"{name}.npz").read_bytes()).hexdigest() in note
 
 
-@pytest.mark.parametrize("name", reference.OWN_GRID)
+@pytest.mark.parametrize("name", ["paper", pytest.param("general", marks=pytest.mark.slow)])
 def test_on_their_own_grid(name):
     """What is left is the error of the grid."""
     check(reference.own_grid(name))

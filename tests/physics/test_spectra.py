@@ -15,6 +15,7 @@ def test_lame_s_rates_without_flow():
     check(spectra.closed_forms())
 
 
+@pytest.mark.slow
 def test_exponential_convergence():
     check(spectra.convergence())
 

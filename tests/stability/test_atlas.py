@@ -20,6 +20,7 @@ def found():
     return made
 
 
+@pytest.mark.slow
 def test_a_map_holds_the_states_of_its_points(found):
     for i, kappa in enumerate(found.x):
         for j, alpha_u in enumerate(found.y):

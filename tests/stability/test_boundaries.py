@@ -8,6 +8,7 @@ from cyclosis.stability.existence import boundaries
 from cyclosis.stability.profiles import elliptic
 
 
+@pytest.mark.slow
 def test_limits_are_fold_pitchfork_and_threshold():
     params = cy.Parameters()
     found = boundaries.limits(params, [0.03, 0.05 + 1e-15, 0.1])

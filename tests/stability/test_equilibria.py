@@ -70,6 +70,7 @@ def test_disorder_and_uniform_states_are_found_for_such_guesses_only(zero):
     assert not np.any(found.drift)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "params",
     [
@@ -97,6 +98,7 @@ def test_terms_and_dealiasing_are_those_of_the_run():
         cy.stability.steady_state(CELL, grid, np.zeros((2, 3, 3)))
 
 
+@pytest.mark.slow
 def test_a_guess_that_varies_along_the_cell_is_not_answered_by_straight_stripes():
     guess = rough(GRID, 0.0)
     guess[1] *= 1 + 0.3 * np.cos(2 * np.pi * GRID.z / GRID.length)

@@ -20,6 +20,7 @@ def test_without_flow_all_but_one_shift_of_the_zones_grow(count):
     assert np.abs(rates).min() < 1e-11
 
 
+@pytest.mark.slow
 def test_rates_by_phase_are_those_of_neighbours_that_attract():
     """λ cos²(πb/count), for each front feels the next ones only."""
     count = 6

@@ -12,6 +12,7 @@ def near():
     return cy.stability.neighbourhood(cy.Parameters(), [0.03, 0.046, 0.0485, 0.05, 0.0505, 0.055])
 
 
+@pytest.mark.slow
 def test_stability_needs_more_than_existence_beyond_the_corner_only(near):
     alpha_p, alpha_u = near.corner
     assert 0.046 < alpha_p < 0.0485
@@ -41,6 +42,7 @@ def test_a_force_that_is_not_cubic_is_refused():
         cy.stability.neighbourhood(cy.Parameters(), [-1.0])
 
 
+@pytest.mark.slow
 def test_the_onset_is_always_there_and_ignored_parameters_are(near):
     found = onset.neighbourhood(cy.Parameters(alpha_p=150.0), [0.049, 0.051])
     np.testing.assert_allclose(found.alpha_p, [0.049, 0.05, 0.051])

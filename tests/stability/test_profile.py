@@ -62,6 +62,7 @@ def test_the_whole_model_finds_them_steady(count, changes):
     assert found.P[1] > 0
 
 
+@pytest.mark.slow
 def test_the_profile_converges_exponentially():
     best = profile.cyclosis(cy.Parameters(), 512)
     errors = []

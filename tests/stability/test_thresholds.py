@@ -39,6 +39,7 @@ def test_runs_agree_on_which_side_stripes_stay_equal(alpha_p):
         assert rate == pytest.approx(found.eigenvalues[widths].real, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_runs_agree_on_the_full_threshold():
     """A tilt of the filaments grows at 0.487 - κ without flow, and at 0.471 - κ at α_u = 0.5."""
     params = cy.Parameters(alpha_p=1.0, kappa=0.48)
@@ -74,6 +75,7 @@ def test_a_linear_force_makes_disorder_break_into_stripes():
         assert np.sign(rates[1:].real.max()) == sign
 
 
+@pytest.mark.slow
 def test_error_bars_hold():
     params = cy.Parameters(alpha_p=0.2)
     best = cy.stability.threshold(params)
@@ -82,6 +84,7 @@ def test_error_bars_hold():
     assert float(coarse) == coarse.alpha_u
 
 
+@pytest.mark.slow
 def test_strong_flow_tilts_what_weaker_flow_holds():
     params = cy.Parameters(alpha_p=1.0, kappa=0.48)
     lost = cy.stability.destabilised(params, start=0.5, most=2.0)

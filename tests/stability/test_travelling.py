@@ -7,6 +7,7 @@ from cyclosis.stability.profiles.travelling import drifting
 N = 64
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kappa", "drift"), [(0.1, 0.00540121), (0.15, 0.00148087), (0.2, -0.00243321)])
 def test_tilted_stripes_drift_as_they_do_in_a_simulation(kappa, drift):
     params, grid = cy.Parameters(kappa=kappa), cy.CylinderGrid(N, 8, 5.0)

@@ -195,6 +195,7 @@ def test_where_the_length_is_swept_z_is_in_periods(tmp_path):
 # Speed.
 
 
+@pytest.mark.slow
 def test_the_papers_figure_opens(tmp_path):
     planned = fakes.sweep(
         grid={"n_theta": 48, "n_z": 48},

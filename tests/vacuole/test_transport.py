@@ -72,11 +72,13 @@ def test_diffusion_alone_follows_bessel_functions():
     assert np.abs(run.frames[0] - exact).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_uniform_wall_does_not_feel_a_straight_flow():
     run = V.transport(bands(np.sin, n=16, n_z=8), 20.0, V.Absorbing(), 1.0, t_end=40.0, n_r=16)
     assert run.sherwood[-1] == pytest.approx(jn_zeros(0, 1)[0] ** 2, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_uptake_over_time_is_the_rate_of_the_slowest_mode():
     flow = bands(np.sin, 0.4 * np.pi, n=24)
     run = V.transport(flow, 200.0, V.Absorbing(), 1.0, t_end=150.0, n_r=24)
@@ -118,6 +120,7 @@ def test_convergence_is_spectral_in_the_radius():
     assert errors[3] < errors[2] / 1000
 
 
+@pytest.mark.slow
 def test_fourth_order_in_time():
     errors = [manufactured(14, (16, 8), dt=dt, t_end=2.0) for dt in (0.2, 0.1, 0.05)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])

@@ -62,6 +62,7 @@ def test_bands_of_the_wall():
     assert found[1] / (q * iv(1, q) / iv(0, q)) == pytest.approx(30.98, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_steady_field_in_the_whole_vacuole_exchanges_as_much():
     q, flow = 0.4 * np.pi, bands(lambda phi: np.sin(phi) + 0.2 * np.sin(3 * phi), n=48, n_z=8)
     wall = cy.vacuole.Held(lambda theta, z: np.cos(q * z) + 0 * theta)
