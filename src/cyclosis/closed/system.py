@@ -109,24 +109,6 @@ class ClosedMoment(Moment):
         """The covariant derivatives of u in the directions theta and s."""
         return self.space.derivatives(self.flow_latitudes)
 
-    @cached_property
-    def strain(self) -> jax.Array:
-        """E_tt + i E_ts, with E the symmetric gradient of u and E_ss = -E_tt."""
-        along_theta, along_s = self.u_gradient
-        return 0.5 * (along_theta + 1j * along_s)
-
-    @cached_property
-    def vorticity(self) -> jax.Array:
-        """The curl of u."""
-        along_theta, along_s = self.u_gradient
-        return (along_theta - 1j * along_s).imag
-
-    @cached_property
-    def divergence(self) -> jax.Array:
-        """∇·P."""
-        along_theta, along_s = self.p_gradient
-        return (along_theta - 1j * along_s).real
-
 
 @dataclass(frozen=True)
 class ClosedSystem(System):
