@@ -74,21 +74,15 @@ def source_to_sink(params: Parameters, grid: ClosedGrid, repulsion: str = PRINCI
     count = int(grid.tables.modes[0])
     guess = system.spectrum(initial.source_to_sink(grid, 0.9))[0, 0, :count].imag
 
-    @jax.jit
-    def rate(system: ClosedSystem, y: Any) -> Any:
-        modes = jnp.zeros(system.space.keep.shape, complex).at[0, 0, :count].set(1j * y)
-        return system.rate(system.at(modes))[0, 0, :count].imag
-
-    slope = jax.jit(jax.jacfwd(rate, argnums=1))
     with on_host():
         placed = jax.device_put(system)
-        y = _relaxed(rate, slope, placed, guess)
+        y = _relaxed(placed, guess)
         for _ in range(STEPS):
-            step = np.linalg.solve(np.asarray(slope(placed, y)), np.asarray(rate(placed, y)))
+            step = np.linalg.solve(np.asarray(_slope(placed, y)), np.asarray(_rate(placed, y)))
             y = y - step
             if float(np.linalg.norm(step)) < CLOSE:
                 break
-        rest = float(np.linalg.norm(np.asarray(rate(placed, y))))
+        rest = float(np.linalg.norm(np.asarray(_rate(placed, y))))
     modes = np.zeros(system.space.keep.shape, complex)
     modes[0, 0, :count] = 1j * y
     P = system.state(modes)
@@ -99,12 +93,23 @@ def source_to_sink(params: Parameters, grid: ClosedGrid, repulsion: str = PRINCI
     return AxialState(P, modes, rest)
 
 
-def _relaxed(rate: Any, slope: Any, system: ClosedSystem, y: Any) -> Any:
+@jax.jit
+def _rate(system: ClosedSystem, y: Any) -> Any:
+    """Return the change of P = P(s) e_s, given and returned as the imaginary parts of its modes m = 0."""
+    count = y.shape[0]
+    modes = jnp.zeros(system.space.keep.shape, complex).at[0, 0, :count].set(1j * y)
+    return system.rate(system.at(modes))[0, 0, :count].imag
+
+
+_slope = jax.jit(jax.jacfwd(_rate, argnums=1))
+
+
+def _relaxed(system: ClosedSystem, y: Any) -> Any:
     """Return a guess relaxed by linearly implicit steps of growing length, up to t = 200."""
     h, t = 0.2, 0.0
     eye = np.eye(len(y))
     while t < 200.0:
-        y = y + h * np.linalg.solve(eye - h * np.asarray(slope(system, y)), np.asarray(rate(system, y)))
+        y = y + h * np.linalg.solve(eye - h * np.asarray(_slope(system, y)), np.asarray(_rate(system, y)))
         t, h = t + h, min(1.2 * h, 5.0)
     return y
 
