@@ -12,6 +12,7 @@ from cyclosis.explorer import about, setup
 from cyclosis.explorer.messages import understood
 from cyclosis.explorer.session import Session
 from cyclosis.explorer.surfaces import surface_of
+from cyclosis.models.fields import diagnose
 
 CAPSULE = {
     "model": {"kind": "closed"},
@@ -116,7 +117,7 @@ def test_a_picture_has_the_defects_and_records_of_a_closed_cell(scripted):
     records = dict(
         zip([item["name"] for item in traces], np.frombuffer(data, "<f8", 10, start)[1:], strict=True)
     )
-    mean = cy.diagnostics.diagnose(session.live.params_now, GRID, session.live.state)["mean_vector"]
+    mean = diagnose(session.live.params_now, GRID, session.live.state)["mean_vector"]
     assert [records[f"mean_vector_{axis}"] for axis in "xyz"] == pytest.approx(np.asarray(mean), abs=1e-12)
 
 

@@ -39,6 +39,8 @@ export interface Surface {
   readonly profile: Float32Array;
   /** The radius at a chart's s: negative behind a pole. */
   radius(s: number): number;
+  /** The radius, the height, and the outward and upward parts of the normal at a place on the cell. */
+  skin(s: number): { r: number; z: number; out: number; up: number };
   /** The nearest place on the cell, with theta and s within their ranges. */
   within(theta: number, s: number): Place;
   /** Write where a velocity (around, along), in radii, carries a place of a chart in a time: not within its ranges. */
@@ -69,6 +71,10 @@ export class CylinderSurface implements Surface {
 
   radius(): number {
     return 1;
+  }
+
+  skin(s: number): { r: number; z: number; out: number; up: number } {
+    return { r: 1, z: s - this.half, out: 1, up: 0 };
   }
 
   within(theta: number, s: number): Place {
@@ -139,6 +145,10 @@ export class ClosedSurface implements Surface {
   radius(s: number): number {
     const folded = wrap(s, this.period);
     return folded > this.length ? -this.at('r', this.period - folded) : this.at('r', folded);
+  }
+
+  skin(s: number): { r: number; z: number; out: number; up: number } {
+    return { r: this.at('r', s), z: this.at('z', s), out: this.at('out', s), up: this.at('up', s) };
   }
 
   within(theta: number, s: number): Place {
