@@ -253,7 +253,7 @@ describe('words about closed cells', () => {
 
   it('explain charts that mean something else there', () => {
     expect(charted('mean P', false)).not.toEqual(charted('mean P'));
-    expect(charted('circulation', false).length).toBeGreaterThan(1);
+    expect(charted('rotation', false).length).toBeGreaterThan(1);
     expect(charted('order', false)).toEqual(charted('order'));
     expect(new Set(['x', 'y', 'z'].map((axis) => lineOf(`mean_vector_${axis}`).dash.join())).size).toBe(3);
     expect(lineOf('mean_vector_z').upright).toBe(true);

@@ -10,7 +10,7 @@ import { charted } from './words';
 
 const SHARED: [RegExp, string][] = [
   [/^mean_(P|vector)/, 'mean P'],
-  [/^circulation/, 'circulation'],
+  [/^circulation/, 'rotation'],
   [/power|dissipation/, 'power'],
 ];
 const FONT = '11px system-ui, sans-serif';

@@ -42,7 +42,7 @@ const CHARTS: Record<string, string[]> = {
 const ON_CLOSED: Record<string, string[]> = {
   'mean P': ['The mean of all filaments as an arrow in space. Solid is its part along the axis, up above zero and down below it; dashed and dotted are those across the cell.',
     'Two equal streams cancel: then it is near zero, however strong they are.'],
-  circulation: ['About which axis, and how fast, the fluid goes around as a whole: the angular velocity if a droplet turns like a solid ball. Solid is the part about the axis of the cell.'],
+  rotation: ['About which axis, and how fast, the fluid goes around as a whole: the angular velocity if a droplet turns like a solid ball. Solid is the part about the axis of the cell.'],
 };
 
 /** What a chart shows, in sentences; those over time end with the unit of time. */

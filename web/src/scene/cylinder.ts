@@ -232,9 +232,12 @@ function skin(profile: Float32Array): THREE.BufferGeometry {
   const rows = profile.length / 4;
   const place = new Float32Array(2 * rows * (AROUND + 1));
   const skins = new Float32Array(4 * rows * (AROUND + 1));
+  const bends = new Float32Array(2 * rows * (AROUND + 1));
+  const curvatures = Array.from({ length: rows }, (_, j) => bend(profile, j));
   const index: number[] = [];
   for (let k = 0, v = 0; k <= AROUND; k++) {
     for (let j = 0; j < rows; j++, v++) {
+      bends.set(curvatures[j], 2 * v);
       place.set([(2 * Math.PI * k) / AROUND, j / (rows - 1)], 2 * v);
       skins.set(profile.subarray(4 * j, 4 * j + 4), 4 * v);
       if (k < AROUND && j + 1 < rows) index.push(v, v + rows, v + 1, v + 1, v + rows, v + rows + 1);
@@ -243,6 +246,18 @@ function skin(profile: Float32Array): THREE.BufferGeometry {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
   geometry.setAttribute('skin', new THREE.BufferAttribute(skins, 4));
+  geometry.setAttribute('bend', new THREE.BufferAttribute(bends, 2));
   geometry.setIndex(index);
   return geometry;
+}
+
+/** The curvatures of row j, around the axis and along the meridian: how fast the normal turns. */
+function bend(profile: Float32Array, j: number): [number, number] {
+  const last = profile.length / 4 - 1;
+  const [below, above] = [4 * Math.max(0, j - 1), 4 * Math.min(last, j + 1)];
+  const angle = (at: number): number => Math.atan2(profile[at + 3], profile[at + 2]);
+  const length = Math.hypot(profile[above] - profile[below], profile[above + 1] - profile[below + 1]);
+  const along = Math.abs(angle(above) - angle(below)) / (length || 1);
+  const [r, out] = [profile[4 * j], profile[4 * j + 2]];
+  return [r > 1e-3 ? out / r : along, along];
 }

@@ -8,17 +8,23 @@ export const STEPS = 96;
 export const surfaceVertex = /* glsl */ `
 in vec2 place; // theta, and share of the length
 in vec4 skin;  // radius, height, and the normal outwards and upwards
+in vec2 bend;  // the curvatures around the axis and along the meridian
 uniform mat4 toScreen;
 uniform float turn;
 uniform float span;
+uniform vec3 eye;
 out vec2 at;
 out vec3 outward;
 out vec3 body;
+out float curved; // in the direction of the view
 void main() {
   at = vec2(place.x, place.y * span);
   vec2 way = vec2(sin(place.x - turn), cos(place.x - turn));
   outward = vec3(skin.z * way.x, skin.w, skin.z * way.y);
   body = vec3(skin.x * way.x, skin.y, skin.x * way.y);
+  float around = dot(vec3(way.y, 0.0, -way.x), eye);
+  float along = dot(vec3(-skin.w * way.x, skin.z, -skin.w * way.y), eye);
+  curved = (bend.x * around * around + bend.y * along * along) / max(around * around + along * along, 1e-4);
   gl_Position = toScreen * vec4(body, 1.0);
 }`;
 
@@ -46,6 +52,7 @@ uniform vec3 paper;
 in vec2 at;
 in vec3 outward;
 in vec3 body;
+in float curved;
 out vec4 colour;
 
 vec4 cubic(float t) {
@@ -105,11 +112,16 @@ void main() {
   // Outline, drawn inwards so that it needs no multisampling.
   float side = radius * (1.0 - abs(outward.x));
   float end = min(at.y, cell - at.y) * radius * cos(tilt);
-  float edge = min(side, end);
-  // Near a silhouette the slant is the square root of the distance to it.
-  float change = length(vec2(dFdx(slant), dFdy(slant))) + 1e-6;
-  if (closed > 0.5) edge = 0.5 * slant / change;
-  colour.rgb = mix(ink, colour.rgb, smoothstep(0.0, 1.4 * pixel, edge));
+  if (closed > 0.5) {
+    // The distance to the silhouette, where the surface is as curved as a circle seen from the side. The outermost
+    // pixel is transparent, so that a round edge needs no multisampling either.
+    float edge = radius * (1.0 - sqrt(max(1.0 - slant * slant, 0.0))) / max(curved, 0.02);
+    colour.rgb = mix(ink, colour.rgb, smoothstep(0.8 * pixel, 2.2 * pixel, edge));
+    colour.a = smoothstep(0.0, 1.2, edge);
+    colour.rgb *= colour.a;
+  } else {
+    colour.rgb = mix(ink, colour.rgb, smoothstep(0.0, 1.4 * pixel, min(side, end)));
+  }
 }`;
 
 export const endVertex = /* glsl */ `
