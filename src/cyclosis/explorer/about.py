@@ -22,7 +22,8 @@ from ..models import MODELS, closed, polar
 from ..version import __version__
 from .messages import FASTEST, MOST_POINTS
 from .palettes import PALETTES
-from .presets import PRESETS, Preset
+from .preset import Preset
+from .presets import PRESETS
 from .setup import INTERVAL, KINDS, USUAL_WAVES, WAVES
 from .surfaces import FINEST, Surface, surfaces
 

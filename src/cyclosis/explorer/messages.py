@@ -97,7 +97,7 @@ class Brush(_Ask):
     angle: Number = 1.5707963267948966
 
     def step(self, t: float, nearest: Callable[[float], float]) -> dict[str, Any]:
-        """Return the stroke as the table of a step at time `t`; `nearest` gives the place on the cell of z."""
+        """Return the stroke as a step's table at time `t`; `nearest` gives the place on the cell of z."""
         discs = [
             {
                 "shape": "disc",

@@ -90,7 +90,8 @@ class OnClosed(Surface):
 
     def judged(self, params: Any, grid: ClosedGrid, P: Array) -> Judged:
         """Return the regime of a state P (2, n_theta, n_s), with its defects."""
-        found: Any = regime(params, grid, P)
+        of_any: Any = regime  # its types are those of the cylinder
+        found = of_any(params, grid, P)
         crossed = sign_changes(P[1][:, grid.r >= STRAIGHT])
         numbers = {
             "zones": [],

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from ..config import Setup
+from ..contract.model import Array
 from ..dynamics.live import Live
 from ..dynamics.protocol import Change, Protocol, Step, change, step_from_table, wash_out
 from ..dynamics.schedule import Schedule
 from ..model.errors import InputError
-from ..contract.model import Array
 from ..models.polar_cylinder import stays_cubic
 from .messages import Brush
 from .setup import MOST_FRAMES, SetUp, check_memory
