@@ -164,10 +164,13 @@ def test_a_live_cell_has_sixteen_waves_unless_it_says_more():
     ],
 )
 def test_a_malformed_shape_is_refused_in_a_sentence(tables, part):
-    with pytest.raises(cy.InputError, match=part) as refused:
+    def begin():
         begun = setup.from_tables({"model": {"kind": "closed"}} | tables)
         begun.is_dear()
         Session(begun)
+
+    with pytest.raises(cy.InputError, match=part) as refused:
+        begin()
     assert "\n" not in str(refused.value)
 
 

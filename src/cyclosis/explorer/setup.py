@@ -187,7 +187,9 @@ def _refuse_other_models(table: Mapping[str, Any]) -> None:
     for name, value in table.items():
         shown = value in MODELS if name == "kind" else name == "repulsion" or value == usual[name]
         if not shown:
-            rule = "left out in the explorer, which shows closed cells and the polar model by the paper's closure"
+            rule = (
+                "left out in the explorer, with its closed cells and the polar model by the paper's closure"
+            )
             raise InputError(name, value, rule, "use cyclosis run for others")
 
 
