@@ -19,16 +19,24 @@ from .session import Kind, Session, kind_at
 from .setup import SetUp, is_placed
 from .surfaces import surface_of
 
-MOST_KINDS = 12
-"""Kinds of cell for which compiled programs are kept; each takes about 26 MB."""
-AHEAD = 8
-"""Most kinds of cell after some have been compiled ahead: others need room too."""
+MOST_KINDS = 16
+"""Kinds of cell for which compiled programs are kept; each takes about 26 MB, and a closed one as four."""
 FEW, FEW_PLACED = 100, 10
 """Most steps of a protocol for which adding one is quick, and if they change parameters in regions."""
 _compiled: set[Kind] = set()
 """Kinds whose programs are compiled. JAX keeps these for the whole process."""
 _locks: dict[frozenset[Kind], threading.Lock] = {}
 """Held while programs of those kinds are compiled, so that none is compiled twice."""
+
+CLOSED = 4
+"""The memory that programs of a closed cell take, over that of those of a cylinder."""
+
+
+def taken(kinds: set[Kind]) -> int:
+    """Return how many kinds of cylinder take as much memory as some kinds."""
+    # A closed surface is known by more sizes than those of its grid: `Surface.program`.
+    return sum(CLOSED if len(sizes) > 2 else 1 for sizes, *_ in kinds)
+
 
 Prepare = Callable[[str, bool], contextlib.AbstractAsyncContextManager[None]]
 """Tells a visitor what is being prepared, in a sentence, and whether it is another cell, meanwhile."""
@@ -118,7 +126,7 @@ class Work:
         """Compile what a set-up needs before anyone requests it, in a thread of low priority."""
         ready = await _within(self.ahead, begun.ready)
         needed = {kind_at(ready.schedule, ready.grid)}
-        if not needed <= _compiled and len(_compiled | needed) <= AHEAD:
+        if not needed <= _compiled and taken(_compiled | needed) <= MOST_KINDS // 2:
             await _within(self.ahead, lambda: self._prepared(needed, lambda: Session(begun, ready)))
 
     def _sentence(self, what: str) -> str:
@@ -140,7 +148,7 @@ class Work:
         return cell
 
     def _make_room(self, needed: set[Kind]) -> None:
-        if len(_compiled | needed) <= MOST_KINDS:
+        if taken(_compiled | needed) <= MOST_KINDS:
             return
         if self.visits > 1:
             rule = "one that the server has already computed while others are here"
