@@ -14,8 +14,9 @@ from fastapi.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
 from cyclosis.explorer import ahead, line, presets, setup, work
+from cyclosis.explorer.on_cylinder import OnCylinder
 from cyclosis.explorer.server import ServerLimits, application
-from cyclosis.explorer.session import TRACES, Session
+from cyclosis.explorer.session import Session
 from cyclosis.explorer.visits import Visits
 
 clients, proxies = map(importlib.import_module, ("clients", "proxy"))
@@ -110,7 +111,9 @@ class Client:
                 size = struct.unpack("<I", message[:4])[0]
                 words = {"type": "picture", **json.loads(message[8 : 8 + size])}
                 start, rows = 8 + -(-size // 8) * 8, words["records"]
-                self.times += np.frombuffer(message, "<f8", rows, start)[:: 1 + len(TRACES)].tolist()
+                self.times += np.frombuffer(message, "<f8", rows, start)[
+                    :: 1 + len(OnCylinder.traces)
+                ].tolist()
             else:
                 words = json.loads(message)
                 self.token = words.get("token", self.token)

@@ -72,6 +72,40 @@ def test_more_random_numbers_than_the_grid_takes_are_refused(port):
         assert "at most 128 x 128 in the explorer" in clients.said(wire, "refused")["sentence"]
 
 
+@pytest.mark.parametrize(
+    ("grid", "part"),
+    [
+        ({"shape": "cube"}, "shape = 'cube'"),
+        ({"shape": "capsule", "length": -1}, "length = -1"),
+        ({"shape": "capsule", "smoothing": 1e-9}, "smoothing = 1e-09"),
+        ({"shape": "spheroid", "aspect": 1e300}, "aspect = 1e+300"),
+        ({"shape": "spheroid", "aspect": "wide"}, "aspect = 'wide'"),
+        ({"shape": "sphere", "k_max": 96}, "at most 24"),
+        ({"shape": "capsule", "length": 60, "k_max": 24}, "at most 16384"),
+        ({"shape": "sphere", "n_s": 4000}, "at most 16384"),
+    ],
+)
+def test_a_malformed_shape_is_refused_in_a_sentence(port, grid, part):
+    with clients.visit(port) as wire:
+        clients.ask(wire, do="begin", setup={"model": {"kind": "closed"}, "grid": grid})
+        sentence = clients.said(wire, "refused")["sentence"]
+    assert part in sentence
+    assert "\n" not in sentence
+
+
+@pytest.mark.slow
+def test_a_closed_cell_has_no_vacuole_to_look_into(port):
+    with clients.visit(port) as wire:
+        clients.ask(
+            wire, do="begin", setup={"model": {"kind": "closed"}, "grid": {"shape": "sphere", "k_max": 4}}
+        )
+        assert clients.said(wire, "cell")["outline"]["axial"] is False
+        clients.ask(wire, do="vacuole", on=True)
+        assert "that of the cylinder" in clients.said(wire, "refused")["sentence"]
+        clients.ask(wire, do="curves")
+        assert clients.said(wire, "curves")["applies"] is False
+
+
 def test_a_file_of_too_many_points_is_refused(port):
     status, body = clients.get(
         port, f"/api/export/run.nc?cell={clients.link_of([], 200.0, n_theta=128, n_z=128)}"
@@ -101,6 +135,34 @@ def test_more_kinds_of_cell_than_there_is_memory_for_wait_until_others_have_left
     shared.visits = 1
     assert asyncio.run(shared.opened(begun)).kind in work._compiled
     assert cleared
+    shared.end()
+
+
+def test_many_shapes_are_kinds_of_cell_that_are_bounded_too(monkeypatch):
+    class Cell:
+        def __init__(self, begun, ready):
+            self.kind = work.kind_at(ready.schedule, ready.grid)
+
+        def rehearse(self):
+            pass
+
+    monkeypatch.setattr(work, "Session", Cell)
+    monkeypatch.setattr(jax, "clear_caches", lambda: None)
+    monkeypatch.setattr(work, "_compiled", set())
+    monkeypatch.setattr(work, "MOST_KINDS", 8)
+    shared = work.Work(1)
+    shared.visits = 1
+
+    def sphere(k_max):
+        return setup.from_tables({"model": {"kind": "closed"}, "grid": {"shape": "sphere", "k_max": k_max}})
+
+    for k_max in (3, 4, 5):
+        asyncio.run(shared.opened(sphere(k_max)))
+        assert work.taken(work._compiled) == 4 * len(work._compiled) <= 8
+    shared.visits = 2
+    asyncio.run(shared.opened(sphere(3)))
+    with pytest.raises(InputError, match="while others are here"):
+        asyncio.run(shared.opened(sphere(4)))
     shared.end()
 
 

@@ -1,6 +1,7 @@
 """The cells to begin with: complete, accepted as they stand, and ending as they say."""
 
 import json
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
@@ -59,7 +60,14 @@ def run(item, t_end, points=None):
     ready = config.setup(config.check(tables), list(item.protocol))
     times = sorted({0.5 * t_end, t_end})
     return simulate(
-        ready.params, ready.grid, ready.state, t_end, save_at=times, rtol=1e-3, protocol=ready.protocol
+        ready.params,
+        ready.grid,
+        ready.state,
+        t_end,
+        save_at=times,
+        rtol=1e-3,
+        model=ready.model,
+        protocol=ready.protocol,
     )
 
 
@@ -75,8 +83,8 @@ def test_names_are_unique_and_groups_in_order():
 
 
 def test_every_experiment_has_its_cell():
-    # Of the vacuole, which is not shown, of the model with its drag, and of closed cells.
-    others = ("mixing", "streaming-transport", "vacuole-passive", "ends", "droplet")
+    # Of the vacuole, which is not shown, and of the model with its drag.
+    others = ("mixing", "streaming-transport", "vacuole-passive")
     shown = tuple(name for name in NAMES if name not in others)
     assert tuple(item.name for item in PRESETS if item.group == "experiments") == shown
 
@@ -145,10 +153,37 @@ def test_the_oscillating_stripe_narrows_and_widens_again():
         ("ablation", "cyclosis", 130.0),
         ("timescales", "unidirectional", 160.0),
         ("cell-shape", "cyclosis", 50.0),
+        ("figure4-capsule", "cyclosis", 40.0),
+        ("ends", "source-to-sink", 40.0),
+        ("ends", "source-to-sink", 100.0),
+        ("droplet", "circulation", 20.0),
     ],
 )
 def test_a_cell_ends_as_its_text_says(name, regime, t_end):
     assert ends(BY_NAME[name], t_end).name == regime
+
+
+@pytest.mark.slow
+def test_a_capsule_does_not_hold_what_pointed_ends_do():
+    """The same push on a capsule: its sink runs away."""
+    item = BY_NAME["ends"]
+    tables = item.tables | {"grid": {"shape": "capsule", "length": 5.0, "k_max": 16}}
+    steps = [step | {"where": step["where"] | {"z": 7.1}} for step in item.protocol]
+    moved = replace(item, tables=tables, protocol=tuple(steps))
+    assert ends(moved, 200.0).name == "cyclosis"
+
+
+@pytest.mark.slow
+def test_another_seed_of_the_droplet_has_another_axis_and_the_same_speed():
+    found = []
+    for seed in (0, 1):
+        item = BY_NAME["droplet"]
+        other = replace(item, tables=item.tables | {"initial": {"seed": seed}})
+        end = run(other, 40.0)
+        found.append(cy.regime(end.params_at(40.0), end.grid, end.final_state).circulation)
+    sizes = [np.linalg.norm(each) for each in found]
+    assert sizes[0] == pytest.approx(sizes[1], rel=2e-3)
+    assert abs(found[0] @ found[1]) < 0.9 * sizes[0] * sizes[1]
 
 
 def test_every_term_has_a_caption_of_one_sentence():

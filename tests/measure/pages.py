@@ -6,10 +6,12 @@ import psutil
 
 
 @contextmanager
-def opened(browser, address, size, console=True):
+def opened(browser, address, size, console=True, scheme=None):
     """Open the page in a window of a size; it must cause no errors, nor print any if `console`."""
     width, height = size
-    context = browser.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, accept_downloads=True, color_scheme=scheme
+    )
     page, troubles = context.new_page(), []
     page.on("pageerror", lambda error: troubles.append(str(error)))
     if console:

@@ -51,7 +51,7 @@ function build(about: About): void {
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key(() => inner?.on ?? false));
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false })));
   const header = h('header', {});
   const panels = h('section', { id: 'panels', 'aria-label': 'Controls' });
   const charts = traces(hub);
@@ -105,7 +105,8 @@ function build(about: About): void {
       said.fresh ||= said.begun !== hub.cell?.begun;
       if (said.fresh) {
         waits.blank(true);
-        scene.clear();
+        scene.clear(said.outline);
+        app.classList.toggle('ball', said.outline?.axial === false);
         unseen.dropped();
         hub.frame = null;
       }

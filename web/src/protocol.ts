@@ -11,7 +11,35 @@ export interface Definition {
   maximum: number;
   /** The range of a slider; a number field accepts everything from minimum to maximum. */
   usual: [number, number] | null;
-  allowed: string[];
+  allowed: (string | number)[];
+}
+
+/** A shape of cells: the model of its cells, and the settings of its grid. */
+export interface Shape {
+  name: string;
+  model: string;
+  settings: Definition[];
+}
+
+/** What the cells of a model record, and what has no meaning in them. */
+export interface Model {
+  traces: Trace[];
+  /** Parameters without a meaning. */
+  unused: string[];
+  /** Which of `initial` each kind of initial state accepts; others are refused. */
+  uses: Record<string, string[]>;
+  /** Whether it is the periodic cylinder, with a vacuole and a phase diagram. */
+  straight: boolean;
+}
+
+/** The meridian of a closed cell at even steps of s: radius, height, and the normal outwards and upwards. */
+export interface Outline {
+  r: number[];
+  z: number[];
+  out: number[];
+  up: number[];
+  /** Whether up and down mean anything: not on a sphere. */
+  axial: boolean;
 }
 
 export interface Term {
@@ -61,14 +89,12 @@ export interface About {
     fastest: number;
   };
   parameters: Definition[];
-  grid: Definition[];
+  shapes: Shape[];
+  models: Record<string, Model>;
   initial: Definition[];
-  /** Which of `initial` each kind of initial state accepts; others are refused. */
-  uses: Record<string, string[]>;
   /** Time between frames of a cell, dimensionless. */
   interval: Definition;
   terms: Term[];
-  traces: Trace[];
   presets: Preset[];
   palettes: Palette[];
   diagram: Diagram;
@@ -81,7 +107,9 @@ export type Said =
   | {
       type: 'cell';
       /** The set-up as its tables, every default filled in. */
-      setup: { parameters: Values; grid: Values; initial: Values; run: Values };
+      setup: { model: Values; parameters: Values; grid: Values; initial: Values; run: Values };
+      /** The meridian of a closed cell. */
+      outline: Outline | null;
       /** Parameters that are active now. */
       parameters: Values;
       /** Whether each is on a ramp, or varies in space, now. */
@@ -130,7 +158,7 @@ export type Ask =
       do: 'begin';
       preset?: string;
       link?: string;
-      setup?: { parameters?: Values; grid?: Values; initial?: Values; run?: Values };
+      setup?: { model?: Values; parameters?: Values; grid?: Values; initial?: Values; run?: Values };
       /** With a link: the later time that was shown, and whether the cell was playing. */
       t?: number;
       playing?: boolean;
@@ -144,7 +172,7 @@ export type Ask =
   | {
       do: 'brush';
       tool: 'wound' | 'fragment' | 'align';
-      /** [theta, z] in radians and radii. */
+      /** [theta, z] in radians and radii; on a closed cell z is s, the arc length from the south pole. */
       points: [number, number][];
       radius: number;
       /** Direction of alignment from e_theta, radians: π/2 is up. */
@@ -153,6 +181,9 @@ export type Ask =
   /** The flow inside: tracers that move `pace` radii a second at the peak of the flow. */
   | { do: 'vacuole'; on: boolean; tracers?: number; pace?: number }
   | { do: 'seen'; frame: number };
+
+/** A point where P vanishes: its index, theta and s. */
+export type Defect = [index: number, theta: number, s: number];
 
 export interface Regime {
   name: string;
@@ -171,9 +202,15 @@ export interface Regime {
   mean: [number, number];
   /** The rate at which changes grow; null while it is unknown. */
   pace: number | 'steady' | null;
+  /** On a closed cell: defects of P as [index, theta, s], and the circulation of the flow, a vector. */
+  defects?: Defect[];
+  circulation?: [number, number, number];
 }
 
-/** One picture of the cell. Fields are theta-major: value at i * n_z + j. */
+/**
+ * One picture of the cell. Fields are theta-major: value at i * n_z + j. On a closed cell the points are those of an
+ * even chart: z is s, from the south pole to the north, both included; components are those along the meridian.
+ */
 export interface Frame {
   t: number;
   frame: number;

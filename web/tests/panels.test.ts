@@ -226,3 +226,37 @@ describe('words', () => {
     for (const chart of ['order', 'mean P', 'peak speed', 'power', 'profile']) expect(charted(chart).length).toBeGreaterThan(0);
   });
 });
+
+describe('words about closed cells', () => {
+  const regime = (name: string, more: Partial<Regime> = {}): Regime => ({
+    ...{ name, reason: '', zones: [], widths: [], order: 0.9, around: 0.2, boundaries: [2, 2], drift: [0, 0], mean: [0, 0.5], pace: null },
+    ...{ defects: [[1, 0, 0], [1, 3, 8]], circulation: [0, 1, 0] },
+    ...more,
+  });
+
+  it('say what happens at the ends, in words of their own', () => {
+    expect(seen(regime('cyclosis'), [])).toContain('turn over at the ends');
+    expect(seen(regime('source-to-sink'), [])).toContain('up from one end');
+    expect(seen(regime('source-to-sink', { mean: [0, -0.5] }), [])).toContain('down from one end');
+    expect(seen(regime('swirl'), [])).toContain('around the axis');
+    expect(seen(regime('circulation'), [])).toContain('one axis');
+    for (const name of ['source-to-sink', 'swirl', 'circulation']) expect(title(regime(name))).not.toBe('');
+    expect(seen(regime('undecided', { reason: 'a rotation explains 40 % of the flow' }), [])).toContain('droplet');
+  });
+
+  it('count the defects and give the circulation', () => {
+    const rows = Object.fromEntries(numbers(regime('cyclosis', { defects: [[1, 0, 0], [1, 0, 1], [1, 0, 2], [-1, 0, 3]] })).map(([name, value]) => [name, value]));
+    expect(rows.defects).toBe('3 of +, 1 of −');
+    expect(rows.circulation).toBe('0, 1, 0');
+    expect(numbers(regime('cyclosis', { defects: undefined, circulation: undefined })).map(([name]) => name)).not.toContain('defects');
+  });
+
+  it('explain charts that mean something else there', () => {
+    expect(charted('mean P', false)).not.toEqual(charted('mean P'));
+    expect(charted('rotation', false).length).toBeGreaterThan(1);
+    expect(charted('order', false)).toEqual(charted('order'));
+    expect(new Set(['x', 'y', 'z'].map((axis) => lineOf(`mean_vector_${axis}`).dash.join())).size).toBe(3);
+    expect(lineOf('mean_vector_z').upright).toBe(true);
+    expect(lineOf('circulation_z').upright).toBe(false);
+  });
+});

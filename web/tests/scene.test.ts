@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { isInside, readInside, type Frame, type Inside, type Palette } from '../src/protocol';
-import { Stroke, nearest, wrap, type Point } from '../src/scene/brush';
+import { Stroke } from '../src/scene/brush';
 import { Pieces, zeroLines } from '../src/scene/contours';
 import { Contrast, FAINT, GRAIN, PLAIN, REACH, weight } from '../src/scene/contrast';
 import { Fields } from '../src/scene/fields';
@@ -9,10 +9,12 @@ import { colourAt, paletteTable } from '../src/scene/palette';
 import { Particles, TRAIL } from '../src/scene/particles';
 import { POINTS, Streamlines } from '../src/scene/streamlines';
 import { ROWS, Tracers } from '../src/scene/tracers';
+import { CylinderSurface, nearest, wrap, type Place } from '../src/scene/surface';
 import { View } from '../src/scene/view';
 import shared from './contrast.json';
 
 const TURN = 2 * Math.PI;
+const CELL = new CylinderSurface(5);
 
 function frame(
   number: number,
@@ -130,7 +132,7 @@ describe('the contrast around a line', () => {
     expect([REACH, GRAIN, FAINT, PLAIN]).toEqual([shared.reach, shared.grain, shared.faint, shared.plain]);
     expect(shared.cells.length).toBe(3);
     for (const { n_theta, n_z, length, P_z, contrast } of shared.cells) {
-      const found = new Contrast(n_theta, n_z, length).of(Float32Array.from(P_z));
+      const found = new Contrast(n_theta, n_z, new CylinderSurface(length)).of(Float32Array.from(P_z));
       found.forEach((value, p) => expect(Math.abs(value - contrast[p])).toBeLessThan(2e-6));
     }
   });
@@ -144,7 +146,7 @@ describe('the contrast around a line', () => {
       seen.n_z = cell.n_z;
       seen.P_z = Float32Array.from(cell.P_z);
       for (const name of ['P_theta', 'u_theta', 'u_z'] as const) seen[name] = new Float32Array(seen.P_z.length);
-      fields.take(seen, 0);
+      fields.take(seen, CELL, 0);
       const [width, height] = [4 * cell.n_theta, 4 * cell.n_z];
       const enlarger = new Enlarger(cell.n_theta, cell.n_z, width, height);
       const [values, strength] = [new Float32Array(width * height), new Float32Array(width * height)];
@@ -176,7 +178,7 @@ describe('interpolation', () => {
   it('enlarges smoothly, z up, mixing before and now', () => {
     const fields = new Fields();
     const still = (): [number, number] => [0, 0];
-    fields.take(frame(0, (theta, z) => Math.sin(theta) + 0.5 * Math.cos((TURN * z) / 5), still), 0);
+    fields.take(frame(0, (theta, z) => Math.sin(theta) + 0.5 * Math.cos((TURN * z) / 5), still), CELL, 0);
     const enlarger = new Enlarger(16, 16, 64, 48);
     const out = new Float32Array(64 * 48);
     enlarger.enlarge(fields.order, 0, 1, out);
@@ -186,7 +188,7 @@ describe('interpolation', () => {
         expect(Math.abs(out[row * 64 + k] - exact)).toBeLessThan(0.02);
       }
     }
-    fields.take(frame(1, () => 0, still), 1000);
+    fields.take(frame(1, () => 0, still), CELL, 1000);
     enlarger.enlarge(fields.order, 0, 0.5, out);
     expect(out[0]).toBeCloseTo(0.5 * (Math.sin(TURN / 128) + 0.5), 1);
   });
@@ -198,16 +200,16 @@ describe('frames', () => {
 
   it('pass into each other without a jump', () => {
     const fields = new Fields();
-    fields.take(frame(0, () => 1, up), 0);
+    fields.take(frame(0, () => 1, up), CELL, 0);
     fields.blend(fields.mixing(0));
     expect(fields.flow[1]).toBe(1);
-    fields.take(frame(1, () => -1, down), 1000);
+    fields.take(frame(1, () => -1, down), CELL, 1000);
     expect(fields.mixing(1000)).toBe(0);
     const half = 1000 + 0.5 * (60 + 0.3 * (1000 - 60));
     expect(fields.mixing(half)).toBeCloseTo(0.5);
     fields.blend(fields.mixing(half));
     expect(fields.flow[1]).toBeCloseTo(0);
-    fields.take(frame(2, () => -1, down), half);
+    fields.take(frame(2, () => -1, down), CELL, half);
     fields.blend(fields.mixing(half));
     expect(fields.flow[1]).toBeCloseTo(0);
     expect(fields.mixing(half + 5000)).toBe(1);
@@ -215,8 +217,8 @@ describe('frames', () => {
 
   it('of another grid begin at once', () => {
     const fields = new Fields();
-    fields.take(frame(0, () => 1, up), 0);
-    fields.take(frame(1, () => -1, down, 8), 10);
+    fields.take(frame(0, () => 1, up), CELL, 0);
+    fields.take(frame(1, () => -1, down, 8), new CylinderSurface(8), 10);
     fields.blend(0);
     expect(fields.flow.length).toBe(128);
     expect(fields.flow[1]).toBe(-1);
@@ -226,11 +228,11 @@ describe('frames', () => {
 describe('particles', () => {
   const moved = (velocity: [number, number], seconds: number, largest = 0): number[][] => {
     const fields = new Fields();
-    fields.take(frame(0, () => 1, () => velocity), 0);
+    fields.take(frame(0, () => 1, () => velocity), CELL, 0);
     fields.blend(1);
     fields.largest = Math.max(fields.largest, largest);
     const particles = new Particles(false, 40, seeded());
-    particles.scatter(5);
+    particles.scatter(CELL);
     const from = particles.data.slice(0, 160);
     for (let k = 0; k < 20; k++) particles.step(fields, seconds / 20);
     return Array.from({ length: 40 }, (_, n) => [
@@ -261,7 +263,7 @@ describe('particles', () => {
 
   it('have trails without jumps at the seams', () => {
     const fields = new Fields();
-    fields.take(frame(0, () => 1, () => [1, 1]), 0);
+    fields.take(frame(0, () => 1, () => [1, 1]), CELL, 0);
     fields.blend(1);
     const particles = new Particles(false, 60, seeded());
     for (let k = 0; k < 400; k++) particles.step(fields, 0.03);
@@ -278,7 +280,7 @@ describe('particles', () => {
 describe('streamlines', () => {
   it('run downstream and keep apart', () => {
     const fields = new Fields();
-    fields.take(frame(0, () => 1, (theta) => [0, Math.sin(theta)]), 0);
+    fields.take(frame(0, () => 1, (theta) => [0, Math.sin(theta)]), CELL, 0);
     fields.blend(1);
     const lines = new Streamlines();
     lines.lay(fields, 0.5);
@@ -288,7 +290,7 @@ describe('streamlines', () => {
       const [theta, z, , next] = lines.points.slice(first, first + 4);
       expect(Math.sign(next - z)).toBe(Math.sign(Math.sin(theta)));
     }
-    fields.take(frame(1, () => 1, () => [0, 0]), 0);
+    fields.take(frame(1, () => 1, () => [0, 0]), CELL, 0);
     lines.lay(fields, 0.5);
     expect(lines.count).toBe(0);
   });
@@ -296,8 +298,8 @@ describe('streamlines', () => {
 
 describe('strokes', () => {
   it('are joined over the seam, sent in batches, and always end with a point', () => {
-    const sent: Point[][] = [];
-    const stroke = new Stroke((points) => sent.push(points), 0.25, 5, 0);
+    const sent: Place[][] = [];
+    const stroke = new Stroke((points) => sent.push(points), 0.25, CELL, 0);
     stroke.add([0.1, 4.9], 0);
     stroke.add([TURN - 0.1, 0.1], 40);
     expect(sent).toEqual([]);
@@ -320,7 +322,7 @@ describe('strokes', () => {
 describe('view', () => {
   it('finds the place under the pointer', () => {
     const view = new View();
-    Object.assign(view, { width: 400, height: 500, length: 5, turn: 1, tilt: 0.3 });
+    Object.assign(view, { width: 400, height: 500, surface: CELL, turn: 1, tilt: 0.3 });
     const [theta, z] = view.pick(200, 250)!;
     expect(theta).toBeCloseTo(1);
     // The near side of the middle of the cell lies above its axis's middle when looked at from above: z is larger.
@@ -335,7 +337,7 @@ describe('view', () => {
 
   it('fits long cells and zooms about the pointer', () => {
     const view = new View();
-    Object.assign(view, { width: 400, height: 500, length: 50 });
+    Object.assign(view, { width: 400, height: 500, surface: new CylinderSurface(50) });
     expect(view.scale * 50 * Math.cos(view.tilt)).toBeLessThan(500);
     const before = view.pick(200, 150)![1];
     view.zoomBy(5, 150);
@@ -416,7 +418,7 @@ describe('the inside', () => {
 describe('the view of an opened cell', () => {
   it('finds the place on the wall behind, which is seen', () => {
     const view = new View();
-    Object.assign(view, { width: 400, height: 500, length: 5, turn: 1, tilt: 0.5, open: true });
+    Object.assign(view, { width: 400, height: 500, surface: CELL, turn: 1, tilt: 0.5, open: true });
     expect(view.tilt).toBe(0.5);
     const [theta, z] = view.pick(200, 250)!;
     expect(theta).toBeCloseTo(1 + Math.PI);

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
 
 import numpy as np
 
-from ..analysis.diagnostics import QUANTITIES
+from ..closed.shapes import KINDS as KINDS_OF_SHAPES
+from ..closed.shapes import LONGEST
 from ..config import USED_BY
-from ..model.definitions import GRID, INITIAL, PARAMETERS, Definition
+from ..contract.model import Quantity
+from ..model.definitions import GRID, INITIAL, PARAMETERS, Definition, definition
 from ..model.equation import EQUATION
 from ..model.errors import choice
 from ..model.parameters import Parameters
+from ..models import MODELS, closed, polar
 from ..version import __version__
 from .messages import FASTEST, MOST_POINTS
 from .palettes import PALETTES
-from .presets import PRESETS, Preset
-from .session import TRACES
-from .setup import FINEST, INTERVAL, KINDS
+from .preset import Preset
+from .presets import PRESETS
+from .setup import INTERVAL, KINDS, USUAL_WAVES, WAVES
+from .surfaces import FINEST, Surface, surfaces
 
 _SHOWN = ("kind", "seed", "filaments_per_square", "magnitude", "stripes")
 
@@ -37,12 +41,11 @@ def about() -> dict[str, Any]:
             "fastest": FASTEST,
         },
         "parameters": [_described(item) for item in PARAMETERS],
-        "grid": [_described(item) for item in GRID],
+        "shapes": shapes(),
         "initial": [_described(item) for item in INITIAL if item.name in _SHOWN],
-        "uses": {kind: [name for name in USED_BY[kind] if name in _SHOWN] for kind in KINDS},
+        "models": {name: _model(name, surface) for name, surface in surfaces().items()},
         "interval": _described(INTERVAL),
         "terms": [{"name": item.name, "formula": item.formula, "caption": item.caption} for item in EQUATION],
-        "traces": [_trace(name) for name in TRACES],
         "presets": [
             {"name": item.name, "group": item.group, "title": item.title, "text": item.text}
             for item in PRESETS
@@ -66,15 +69,16 @@ def diagram() -> dict[str, Any]:
     return found
 
 
-def curves(params: Parameters) -> dict[str, Any]:
+def curves(params: Parameters, straight: bool = True) -> dict[str, Any]:
     """Return the thresholds of theory over (alpha_p, alpha_u) for the other active parameters.
 
-    `applies` is False where there are none: for parameters that vary in space.
+    `applies` is False where there are none: for parameters that vary in space, and on closed cells, which
+    are not `straight`.
     """
     from ..figures.swept import Axis
     from ..figures.thresholds import thresholds
 
-    applies = params.shape is None
+    applies = straight and params.shape is None
     axes = [Axis(name, np.array(diagram()[name])) for name in ("alpha_p", "alpha_u")]
     found = thresholds(params, axes) if applies else []
     return {
@@ -87,6 +91,38 @@ def curves(params: Parameters) -> dict[str, Any]:
 
 def _points(values: Any) -> list[float | None]:
     return [float(value) if np.isfinite(value) else None for value in values]
+
+
+def shapes() -> list[dict[str, Any]]:
+    """Return the shapes of cells, each with its model and the settings of its grid."""
+    own = {"k_max": {"default": USUAL_WAVES, "allowed": WAVES}}
+    found: list[dict[str, Any]] = [_shape("cylinder", polar.name, [item.name for item in GRID], {})]
+    for kind, made in KINDS_OF_SHAPES.items():
+        settings = (
+            {item.name: {"default": item.default} for item in fields(made)} if is_dataclass(made) else {}
+        )
+        if "length" in settings:
+            settings["length"]["meaning"] = "length of the straight part, in radii"
+            settings["length"]["minimum"], settings["length"]["maximum"] = 0.0, LONGEST
+        found.append(_shape(kind, closed.name, [*settings, *own], settings | own))
+    return found
+
+
+def _shape(name: str, model: str, settings: list[str], changed: dict[str, Any]) -> dict[str, Any]:
+    items = [_described(definition("grid", each)) | changed.get(each, {}) for each in settings]
+    return {"name": name, "model": model, "settings": items}
+
+
+def _model(name: str, surface: Surface) -> dict[str, Any]:
+    """Return what a model's cells record, and what has no meaning in them."""
+    hidden = () if surface.straight else ("stripes",)
+    uses = {kind: [key for key in USED_BY[kind] if key in _SHOWN and key not in hidden] for kind in KINDS}
+    return {
+        "traces": [_trace(each, MODELS[name].quantities) for each in surface.traces],
+        "unused": surface.unused,
+        "uses": uses,
+        "straight": surface.straight,
+    }
 
 
 def _described(item: Definition) -> dict[str, Any]:
@@ -103,12 +139,12 @@ def _described(item: Definition) -> dict[str, Any]:
     }
 
 
-def _trace(name: str) -> dict[str, str]:
-    base = "mean_P" if name.startswith("mean_P") else name
-    item = next(quantity for quantity in QUANTITIES if quantity.name == base)
-    part = name.removeprefix(base).strip("_")
+def _trace(name: str, quantities: tuple[Quantity, ...]) -> dict[str, str]:
+    item = next(each for each in quantities if name == each.name or name.startswith(f"{each.name}_"))
+    part = name.removeprefix(item.name).strip("_")
+    letter = "P" if "P" in item.symbol else "Ω"
     return {
         "name": name,
-        "symbol": f"<P_{part}>" if part else item.symbol,
+        "symbol": f"<{letter}_{part}>" if part else item.symbol,
         "meaning": item.meaning + (f", component {part}" if part else ""),
     }

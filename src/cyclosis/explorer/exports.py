@@ -11,6 +11,7 @@ import contextlib
 import json
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from ..model.errors import InputError, choice
 from ..model.instants import instant
 from ..model.wording import beside
 from . import setup
+from .surfaces import surface_of
 
 MOST = 4000
 """Most frames of a run that is exported as a file."""
@@ -132,8 +134,9 @@ def _check(cell: setup.SetUp) -> None:
     if instant(cell.t) < instant(cell.every):
         rule = f"at least {beside(cell.every, cell.t)}, one frame"
         raise InputError("t", cell.t, rule, "let the cell run, then export it")
-    points = [cell.filled()["grid"][key] for key in ("n_theta", "n_z")]
-    most = min(MOST, MOST_VALUES // (points[0] * points[1]))
+    surface, grid = surface_of(cell.grid), cell.grid
+    surface.check(grid)
+    most = min(MOST, MOST_VALUES // prod(grid.shape))
     if frames > most:
-        rule = f"at most {most} in a file made here of {points[0]} x {points[1]} points"
+        rule = f"at most {most} in a file made here of {surface.points(grid)} points"
         raise InputError("frames", round(frames), rule, "use the TOML with cyclosis run")

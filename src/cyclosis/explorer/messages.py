@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
@@ -95,13 +96,13 @@ class Brush(_Ask):
     radius: Annotated[float, Field(ge=0.02, le=10.0, strict=False)]
     angle: Number = 1.5707963267948966
 
-    def step(self, t: float, length: float) -> dict[str, Any]:
-        """Return the stroke as the table of a step at time `t`, on a cell of a length."""
+    def step(self, t: float, nearest: Callable[[float], float]) -> dict[str, Any]:
+        """Return the stroke as a step's table at time `t`; `nearest` gives the place on the cell of z."""
         discs = [
             {
                 "shape": "disc",
                 "theta": round(theta % 6.283185, 3),
-                "z": round(z % length, 3),
+                "z": nearest(z),
                 "radius": round(self.radius, 3),
             }
             for theta, z in self.points

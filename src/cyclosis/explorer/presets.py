@@ -5,55 +5,20 @@ The texts describe what runs showed; `tests/explorer/test_presets.py` repeats so
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import pi
-from typing import Any, Literal
-
-Table = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Preset:
-    """A cell: `tables` as in `run.toml`, the steps of its protocol as tables, and a text on what to see."""
-
-    name: str
-    group: Literal["figures", "regimes", "experiments"]
-    title: str
-    text: str
-    tables: dict[str, Table] = field(default_factory=dict)
-    protocol: tuple[Table, ...] = ()
-
-
-def _cell(
-    start: Table | None = None, grid: Table | None = None, every: float | None = None, **parameters: float
-) -> dict[str, Table]:
-    run = {"save_every": every} if every else {}
-    tables = {"parameters": parameters, "grid": grid, "initial": start, "run": run}
-    return {name: table for name, table in tables.items() if table}
-
-
-def _change(at: float, **more: Any) -> Table:
-    return {"at": at, "action": "change"} | more
-
-
-def _fragment(at: float, **more: Any) -> Table:
-    return {"at": at, "action": "fragment"} | more
-
-
-def _align(at: float, angle: float, magnitude: float, start: float, stop: float) -> Table:
-    where = {"shape": "band", "axis": "theta", "start": start, "stop": stop}
-    return {"at": at, "action": "align", "angle": angle, "magnitude": magnitude, "where": where}
-
-
-def _wash_out(at: float, **more: Any) -> Table:
-    return {"at": at, "action": "wash_out"} | more
-
-
-_UP, _DOWN = round(pi / 2, 6), round(-pi / 2, 6)
-# Established stripes, with the noise of as many filaments as leave |P| <= 1.
-_STRIPES = {"kind": "stripes", "filaments_per_square": 4000.0}
-# The longest cell that the explorer's finest grid resolves well: 9 points per radius.
-_LONG = {"n_theta": 48, "n_z": 128}
+from .preset import (
+    DOWN,
+    LONG,
+    STRIPES,
+    UP,
+    Preset,
+    align,
+    cell,
+    change,
+    closed_cell,
+    fragment,
+    turn_over,
+    wash_out,
+)
 
 FIGURES = (
     Preset(
@@ -62,7 +27,15 @@ FIGURES = (
         "Figure 4: cyclosis emerges",
         "From disorder, patches of order grow, meet and merge, until two stripes stream past each other. "
         "Wound them, take bundling or alignment away, or begin from another seed.",
-        _cell({"seed": 0}, {"n_theta": 64, "n_z": 64, "length": 5.0}, alpha_p=1.0, alpha_u=0.5),
+        cell({"seed": 0}, {"n_theta": 64, "n_z": 64, "length": 5.0}, alpha_p=1.0, alpha_u=0.5),
+    ),
+    Preset(
+        "figure4-capsule",
+        "figures",
+        "Figure 4 in a cell with ends",
+        "A capsule instead of a cylinder without ends: streams turn over at its poles, and by t = 40 two of "
+        "them run along the whole cell. Small discs mark points where filaments have no direction.",
+        closed_cell({"seed": 0}, "capsule", {"length": 5.0}, alpha_p=1.0, alpha_u=0.5),
     ),
 )
 
@@ -73,7 +46,7 @@ REGIMES = (
         "Disorder",
         "Random turning (d_r = 0.025) beats bundling (α_p = 0.02), and the little order there is fades. "
         "Raise α_p above d_r and order grows.",
-        _cell(alpha_p=0.02),
+        cell(alpha_p=0.02),
     ),
     Preset(
         "unidirectional",
@@ -81,7 +54,7 @@ REGIMES = (
         "One direction",
         "With hardly any alignment by flow one direction takes over the whole cell; nothing can stream, "
         "since no fluid passes the ends. Raise α_u to 0.8: the order tips over and becomes two stripes.",
-        _cell({"seed": 0}, alpha_u=0.025),
+        cell({"seed": 0}, alpha_u=0.025),
     ),
     Preset(
         "cyclosis",
@@ -89,7 +62,7 @@ REGIMES = (
         "Cyclosis",
         "Strong alignment by flow: two stripes have formed by t = 15 and are equally wide by t = 50. "
         "Fragment or turn any part of them, and the pattern comes back.",
-        _cell({"seed": 1}, alpha_p=0.5, alpha_u=1.0),
+        cell({"seed": 1}, alpha_p=0.5, alpha_u=1.0),
     ),
     Preset(
         "multistripe",
@@ -97,7 +70,7 @@ REGIMES = (
         "Four stripes",
         "In theory four stripes are unstable, but so weakly that they outlast your patience, and wounds "
         "heal. Turn or fragment one of them from end to end, and two are left.",
-        _cell(_STRIPES | {"stripes": 4}, alpha_u=0.1),
+        cell(STRIPES | {"stripes": 4}, alpha_u=0.1),
     ),
     Preset(
         "circumferential-streaming",
@@ -105,7 +78,7 @@ REGIMES = (
         "Around the axis",
         "No direction is avoided (κ = 0), and filaments turn to run around the cell, where no ends stop the "
         "flow. Set κ back to 0.5 to turn them upright.",
-        _cell(kappa=0.0),
+        cell(kappa=0.0),
     ),
     Preset(
         "travelling",
@@ -113,7 +86,7 @@ REGIMES = (
         "Stripes that turn",
         "With κ below 0.4707 the two stripes tilt and turn about the axis, once in some 870 time units, "
         "without ever changing. Slide κ to 0.1 and they turn the other way round.",
-        _cell(kappa=0.3),
+        cell(kappa=0.3),
     ),
     Preset(
         "oscillating",
@@ -121,8 +94,8 @@ REGIMES = (
         "Stripes that oscillate",
         "In a sliver of the diagram no steady state is stable: the downward stripe narrows and widens "
         "again and again, about every 600 time units. Turn up the speed, and watch the mean of P_z.",
-        _cell({"kind": "stripes", "magnitude": 0.4}, every=0.5, alpha_p=0.042, alpha_u=0.1059),
-        (_align(0.0, _UP, 0.4, 3.1416, 4.1416),),
+        cell({"kind": "stripes", "magnitude": 0.4}, every=0.5, alpha_p=0.042, alpha_u=0.1059),
+        (align(0.0, UP, 0.4, 3.1416, 4.1416),),
     ),
 )
 
@@ -133,7 +106,7 @@ EXPERIMENTS = (
         "Emergence",
         "The paper: order begins in patches and spreads, in starts and stops, until two streams fill the "
         "cell. Here it does so by t = 20, but without stops. Other seeds take between 10 and 40 time units.",
-        _cell({"seed": 12}),
+        cell({"seed": 12}),
     ),
     Preset(
         "shear-straightening",
@@ -142,8 +115,8 @@ EXPERIMENTS = (
         "The paper: shear straightens the zones between streams. From t = 12 on shear does not act on "
         "filaments (ε = 0), and the zones still straighten. With ε = 0.4 strong bends disappear sooner, the "
         "last of them later.",
-        _cell({"seed": 22}),
-        (_change(12.0, epsilon=0.0),),
+        cell({"seed": 22}),
+        (change(12.0, epsilon=0.0),),
     ),
     Preset(
         "equal-stripes",
@@ -151,11 +124,11 @@ EXPERIMENTS = (
         "Equal stripes",
         "The stripes are made unequal, and flow makes them equal: at a rate of 0.014 at this α_u, and of "
         "0.064 after t = 100, where α_u is 0.5. Make them unequal again with the brush.",
-        _cell(_STRIPES, alpha_u=0.1),
+        cell(STRIPES, alpha_u=0.1),
         (
-            _align(5.0, _UP, 0.9, 3.1416, 3.9),
-            _change(100.0, alpha_u=0.5),
-            _align(100.0, _UP, 0.9, 3.1416, 3.9),
+            align(5.0, UP, 0.9, 3.1416, 3.9),
+            change(100.0, alpha_u=0.5),
+            align(100.0, UP, 0.9, 3.1416, 3.9),
         ),
     ),
     Preset(
@@ -164,8 +137,8 @@ EXPERIMENTS = (
         "Recovery",
         "At t = 20 bundling is stopped and all cables fall apart; at t = 40 the drug is washed out. Two "
         "equal stripes come back, somewhere else: another seed, another place.",
-        _cell(_STRIPES),
-        (_change(20.0, alpha_p=0.0), _fragment(20.0), _wash_out(40.0)),
+        cell(STRIPES),
+        (change(20.0, alpha_p=0.0), fragment(20.0), wash_out(40.0)),
     ),
     Preset(
         "surviving-seeds",
@@ -173,10 +146,10 @@ EXPERIMENTS = (
         "Surviving seeds",
         "As in recovery, but a piece of one cable survives, half a percent of all filaments. It is enough "
         "for the stripes to come back in their old place.",
-        _cell(_STRIPES),
+        cell(STRIPES),
         (
-            _change(5.0, alpha_p=0.0),
-            _fragment(
+            change(5.0, alpha_p=0.0),
+            fragment(
                 5.0,
                 where={
                     "shape": "box",
@@ -187,7 +160,7 @@ EXPERIMENTS = (
                     "invert": True,
                 },
             ),
-            _wash_out(25.0),
+            wash_out(25.0),
         ),
     ),
     Preset(
@@ -196,8 +169,8 @@ EXPERIMENTS = (
         "Cytochalasin",
         "At t = 10 bundling is stopped, and yet the stripes keep streaming, hardly slower. Only at t = 60, "
         "when all cables are fragmented too, does streaming stop. Wash the drug out, or try α_u = 0.2.",
-        _cell(_STRIPES),
-        (_change(10.0, alpha_p=0.0), _fragment(60.0)),
+        cell(STRIPES),
+        (change(10.0, alpha_p=0.0), fragment(60.0)),
     ),
     Preset(
         "myosin-inhibition",
@@ -205,8 +178,8 @@ EXPERIMENTS = (
         "Myosin inhibition",
         "From disorder without alignment by flow, the stripes are unequal and stay so. The drug is washed "
         "out at t = 80, and they become equal; with seed 0 one direction is left instead.",
-        _cell({"seed": 1}),
-        (_change(0.0, alpha_u=0.0), _wash_out(80.0)),
+        cell({"seed": 1}),
+        (change(0.0, alpha_u=0.0), wash_out(80.0)),
     ),
     Preset(
         "coalescence",
@@ -214,8 +187,8 @@ EXPERIMENTS = (
         "Coalescence",
         "The upward stripe is narrow, and without alignment by flow its two borders attract each other and "
         "meet by t = 60. Begin again with α_u = 0.075: now flow drives them apart.",
-        _cell({"kind": "stripes"}, alpha_p=0.1, alpha_u=0.0),
-        (_align(0.0, _DOWN, 0.9, 2.14, 6.2831),),
+        cell({"kind": "stripes"}, alpha_p=0.1, alpha_u=0.0),
+        (align(0.0, DOWN, 0.9, 2.14, 6.2831),),
     ),
     Preset(
         "circumferential",
@@ -223,8 +196,8 @@ EXPERIMENTS = (
         "A lost cue",
         "At t = 20 filaments lose the cue that keeps them along the cell (κ = 0) and turn around the axis. "
         "At t = 120 it is given back, and two stripes are upright again.",
-        _cell(_STRIPES),
-        (_change(20.0, kappa=0.0), _wash_out(120.0)),
+        cell(STRIPES),
+        (change(20.0, kappa=0.0), wash_out(120.0)),
     ),
     Preset(
         "weak-repulsion",
@@ -232,8 +205,8 @@ EXPERIMENTS = (
         "Weak repulsion",
         "At t = 20 repulsion falls to κ = 0.3, where stripes tilt and turn, and at t = 120 to 0.02, where "
         "filaments run around the axis. Find the κ above which stripes are upright: in theory it is 0.4707.",
-        _cell(_STRIPES),
-        (_change(20.0, kappa=0.3), _change(120.0, kappa=0.02)),
+        cell(STRIPES),
+        (change(20.0, kappa=0.3), change(120.0, kappa=0.02)),
     ),
     Preset(
         "force-law",
@@ -241,8 +214,8 @@ EXPERIMENTS = (
         "The force law",
         "Motors here push in proportion to order (n = 0). When bundling stops and all cables are fragmented "
         "at t = 20, streaming comes back; begin again with n = 2 and it does not.",
-        _cell(_STRIPES, force_exponent=0.0),
-        (_change(20.0, alpha_p=0.0), _fragment(20.0)),
+        cell(STRIPES, force_exponent=0.0),
+        (change(20.0, alpha_p=0.0), fragment(20.0)),
     ),
     Preset(
         "wound",
@@ -250,8 +223,8 @@ EXPERIMENTS = (
         "A wound",
         "At t = 10 all filaments in a disc are fragmented; within a few time units the wound has healed to "
         "the old pattern. Make larger ones with the brush.",
-        _cell(_STRIPES),
-        (_fragment(10.0, where={"shape": "disc", "theta": 3.1416, "z": 2.5, "radius": 1.5}),),
+        cell(STRIPES),
+        (fragment(10.0, where={"shape": "disc", "theta": 3.1416, "z": 2.5, "radius": 1.5}),),
     ),
     Preset(
         "ablation",
@@ -259,8 +232,8 @@ EXPERIMENTS = (
         "One process at a time",
         "Bundling alone makes order, but no lasting stripes. Alignment by flow, from t = 20, turns it around "
         "the axis; repulsion, from t = 80, turns it upright: only together do they make cyclosis.",
-        _cell(alpha_u=0.0, kappa=0.0),
-        (_change(20.0, alpha_u=0.5), _change(80.0, kappa=0.5)),
+        cell(alpha_u=0.0, kappa=0.0),
+        (change(20.0, alpha_u=0.5), change(80.0, kappa=0.5)),
     ),
     Preset(
         "timescales",
@@ -268,8 +241,8 @@ EXPERIMENTS = (
         "Times of a motor",
         "Flow aligns filaments only if motors turn them before they let go. From t = 40 to 60 they gradually "
         "stop doing so: stripes last, but once fragmented, at t = 80, one direction takes over.",
-        _cell(_STRIPES),
-        (_change(40.0, over=20.0, alpha_u=0.0), _fragment(80.0)),
+        cell(STRIPES),
+        (change(40.0, over=20.0, alpha_u=0.0), fragment(80.0)),
     ),
     Preset(
         "cell-shape",
@@ -277,7 +250,7 @@ EXPERIMENTS = (
         "A longer cell",
         "Thirteen radii instead of five. By t = 40 two stripes run along the whole cell, but the longer "
         "their bends are, the longer they take to straighten.",
-        _cell(grid=_LONG | {"length": 13.0}),
+        cell(grid=LONG | {"length": 13.0}),
     ),
     Preset(
         "twist",
@@ -285,7 +258,7 @@ EXPERIMENTS = (
         "Twist",
         "Filaments avoid a direction tilted by 0.4, and the direction they prefer winds just once about a "
         "cell of this length. So do its stripes; with seed 2 they stay straight and only the filaments tilt.",
-        _cell({"seed": 0}, _LONG | {"length": 14.86}, repulsion_angle=0.4),
+        cell({"seed": 0}, LONG | {"length": 14.86}, repulsion_angle=0.4),
     ),
     Preset(
         "closure",
@@ -293,7 +266,30 @@ EXPERIMENTS = (
         "What the equation leaves out",
         "With so little bundling these cells order by t = 35. The density of filament angles, of which the "
         "equation is an approximation, never would: it needs α_p above 0.47.",
-        _cell(alpha_p=0.25),
+        cell(alpha_p=0.25),
+    ),
+    Preset(
+        "ends",
+        "experiments",
+        "What the ends decide",
+        "Filaments run from pole to pole. At t = 20 the point where they meet is pushed aside; in pointed "
+        "ends it comes back by t = 40. In a capsule it runs away, until two streams are left.",
+        closed_cell(
+            {"kind": "unidirectional", "filaments_per_square": 4000.0},
+            "spheroid",
+            {"aspect": 3.0},
+            alpha_p=0.5,
+            alpha_u=0.025,
+        ),
+        (turn_over(20.0, {"shape": "disc", "theta": 1.0, "z": 6.0, "radius": 0.8}),),
+    ),
+    Preset(
+        "droplet",
+        "experiments",
+        "A droplet circulates",
+        "A sphere has no axis, and yet by t = 20 the fluid goes around one, between two vortices. Chance "
+        "chooses the axis: another seed gives another one, and the same speed.",
+        closed_cell({"seed": 0}, "sphere"),
     ),
 )
 

@@ -11,20 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.regimes import Regime, regime
-from ..analysis.zones import crossings
 from ..config import Setup
+from ..contract.model import Array
 from ..dynamics.live import Live
 from ..dynamics.protocol import Change, Protocol, Step, change, step_from_table, wash_out
 from ..dynamics.schedule import Schedule
 from ..model.errors import InputError
-from ..model.grid import Array, CylinderGrid
 from ..models.polar_cylinder import stays_cubic
 from .messages import Brush
 from .setup import MOST_FRAMES, SetUp, check_memory
+from .surfaces import surface_of
 
-TRACES = ("order", "mean_P_theta", "mean_P_z", "peak_speed", "power_input")
-"""The quantities recorded at every frame, after the time."""
 RELAXATION = 2.0
 """Time over which the rate of relaxation is measured, dimensionless."""
 STILL = 1e-9
@@ -33,15 +30,15 @@ DRUGS = {"cytochalasin": {"alpha_p": 0.0}, "inhibit_myosin": {"alpha_u": 0.0}}
 """The effect of drugs on parameters: no bundling; no alignment by flow."""
 
 
-Kind = tuple[tuple[int, int], frozenset[str], frozenset[str], bool]
+Kind = tuple[tuple[Any, ...], frozenset[str], frozenset[str], bool]
 """What compiled programs depend on: the grid, which parameters are fields or ramps, and a cubic force."""
 
 
-def kind_at(schedule: Schedule, grid: CylinderGrid, t: float = 0.0) -> Kind:
+def kind_at(schedule: Schedule, grid: Any, t: float = 0.0) -> Kind:
     """Return the kind of a cell at a time, after the steps at that time."""
     stage = schedule.stage(t)
     cubic = stays_cubic(stage.first, stage.last)
-    return grid.shape, stage.fields, frozenset(stage.moving), cubic
+    return surface_of(grid).program(grid), stage.fields, frozenset(stage.moving), cubic
 
 
 class Session:
@@ -52,12 +49,12 @@ class Session:
 
     def __init__(self, setup: SetUp, ready: Setup | None = None) -> None:
         ready = ready or setup.ready()
-        self.setup = setup
+        self.setup, self.surface = setup, surface_of(ready.grid)
         self.live = Live(ready.params, ready.grid, ready.state, setup.every, ready.protocol, ready.model)
         self.rates: list[tuple[float, float]] = []
         self.fresh: list[list[float]] = []
         self.shown: Array | None = None
-        """The flow (2, n_theta, n_z) of the last picture."""
+        """The flow of the last picture, on the grid."""
         self._record()
 
     def kinds(self) -> set[Kind]:
@@ -109,7 +106,7 @@ class Session:
 
     def brush(self, stroke: Brush) -> None:
         """Apply a stroke to the patch under it, now."""
-        table = stroke.step(self.live.t, self.live.grid.length)
+        table = stroke.step(self.live.t, lambda z: self.surface.nearest(self.live.grid, z))
         self._do(step_from_table(table), list(self.live.protocol))
 
     def special(self) -> dict[str, str]:
@@ -127,6 +124,7 @@ class Session:
         now = self.setup_now()
         return {
             "setup": self.setup.filled(),
+            "outline": self.surface.outline(self.live.grid),
             "parameters": {
                 name: float(value.mean()) if getattr(value, "ndim", 0) else value
                 for name, value in self.live.params_now.items()
@@ -143,23 +141,24 @@ class Session:
 
     def picture(self) -> bytes:
         """Return the data of a picture: a JSON header, records and fields (see `web/src/protocol.ts`)."""
+        surface, grid = self.surface, self.live.grid
         P, u = self.live.state, self.live.flow()
         self.shown = u
-        found, pace = regime(self.live.params_now, self.live.grid, P), self._pace()
+        found, pace = surface.judged(self.live.params_now, grid, P), self._pace()
+        n_theta, n_z, length = surface.size(grid)
         header = {
             "t": self.live.t,
             "frame": self.live.frame,
-            "n_theta": self.live.grid.n_theta,
-            "n_z": self.live.grid.n_z,
-            "length": self.live.grid.length,
+            "n_theta": n_theta,
+            "n_z": n_z,
+            "length": length,
             "peak_speed": float(np.hypot(*u).max()),
             "records": sum(map(len, self.fresh)),
             "regime": {
                 "name": found.name,
                 "reason": _reason(found.reason, found.widths, pace),
-                "zones": found.zones.tolist(),
                 "widths": found.widths.tolist(),
-                **_numbers(found, P),
+                **found.numbers,
                 "pace": pace,
             },
         }
@@ -167,6 +166,7 @@ class Session:
         head = struct.pack("<II", len(text), 0) + text.ljust(-(-len(text) // 8) * 8)
         records = np.array(self.fresh, dtype="<f8").tobytes()
         self.fresh = []
+        P, u = surface.drawn(grid, P), surface.drawn(grid, u)
         fields = (*P, *u, P[1].mean(axis=1), u[1].mean(axis=1))
         return head + records + b"".join(np.ascontiguousarray(field, "<f4").tobytes() for field in fields)
 
@@ -182,9 +182,7 @@ class Session:
 
     def _record(self) -> None:
         now = self.live.record()
-        mean = np.asarray(now["mean_P"])
-        values = (now["order"], mean[0], mean[1], now["peak_speed"], now["power_input"])
-        self.fresh.append([self.live.t, *map(float, values)])
+        self.fresh.append([self.live.t, *self.surface.row(now)])
         self.rates.append((self.live.t, float(now["rate_of_change"])))
         self.rates = [pair for pair in self.rates if pair[0] >= self.live.t - RELAXATION]
 
@@ -199,18 +197,6 @@ class Session:
 
 def _everywhere(step: Step) -> bool:
     return getattr(step, "where", None) is None and not getattr(step, "over", 0.0)
-
-
-def _numbers(found: Regime, P: Array) -> dict[str, Any]:
-    """Return the numbers that the page needs to describe the regime of a state P."""
-    crossed = crossings(P)
-    return {
-        "order": found.order,
-        "around": float(np.mean(P[0] ** 2)) / max(found.order**2, 1e-300),
-        "boundaries": [int(crossed.min()), int(crossed.max())],
-        "drift": found.drift.tolist(),
-        "mean": found.mean_P.tolist(),
-    }
 
 
 def _reason(reason: str, widths: Array, pace: float | str | None) -> str:

@@ -11,16 +11,25 @@ import json
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
+from math import prod
 from typing import Any
 
 from .. import config
 from ..dynamics.protocol import Change, Protocol
 from ..model.definitions import INITIAL, defaults, definition
 from ..model.errors import InputError, number
-from ..model.grid import CylinderGrid
+from ..models import closed, of_tables, polar
+from .surfaces import FINEST, surface_of
 
-FINEST = 128
-"""Most grid points in each direction of a cell in the explorer."""
+MODELS = (polar.name, closed.name)
+"""The models of cells in the explorer."""
+WAVES = (12, 16, 24)
+"""k_max of closed cells that the page offers; the largest is the most there is in the explorer."""
+USUAL_WAVES = 16
+"""k_max of a closed cell that does not give it."""
+MOST = {"n_theta": FINEST, "n_z": FINEST, "k_max": WAVES[-1]}
+"""Largest values of some settings of [grid]."""
 MOST_FRAMES = 20_000
 """Most frames of a cell in the explorer."""
 INTERVAL = replace(
@@ -61,13 +70,30 @@ class SetUp:
 
     def ready(self) -> config.Setup:
         """Return the arguments of `simulate`. Raises `InputError` for settings that are inconsistent."""
+        surface_of(self.grid).check(self.grid)
         ready = config.setup(self.tables, list(self.steps))
         check_memory(ready.protocol, ready.grid)
         return ready
 
+    def is_dear(self) -> bool:
+        """Whether `ready` would take seconds now. Raises `InputError` for a grid that cannot be used."""
+        surface = surface_of(self.grid)
+        surface.check(self.grid)
+        return not surface.known(self.grid)
+
+    @cached_property
+    def grid(self) -> Any:
+        """The grid of the cell. Raises `InputError` for settings that its surface does not have."""
+        return of_tables(self.tables).grid_from(self.tables["grid"])
+
     def filled(self) -> dict[str, dict[str, Any]]:
         """Return the tables with every default that has a value filled in."""
-        filled = {name: defaults(name) | self.tables[name] for name in ("parameters", "grid")}
+        model = of_tables(self.tables)
+        filled = {
+            "model": {"kind": model.name, **model.options},
+            "parameters": defaults("parameters") | self.tables["parameters"],
+            "grid": model.table_of(self.grid),
+        }
         initial = self.tables["initial"]
         kind = initial.get("kind", KIND)
         # In an ordered state, noise that is left out is zero, not its default.
@@ -104,14 +130,12 @@ def from_tables(given: Any, steps: Any = (), t: Any = 0.0) -> SetUp:
             raise InputError("run key", name, INTERVAL.name, "the explorer decides on the others")
     tables = config.check(given)
     tables["run"] = {INTERVAL.name: INTERVAL.check(tables["run"].get(INTERVAL.name, INTERVAL.default))}
-    for name in ("n_theta", "n_z"):
-        points = tables["grid"].get(name, 0)
-        if points > FINEST:
-            raise InputError(name, points, f"at most {FINEST} in the explorer", "use cyclosis run for more")
-    for name, value in tables["model"].items():
-        if value != defaults("model")[name]:
-            rule = "left out in the explorer, which shows the polar model by the paper's closure"
-            raise InputError(name, value, rule, "use cyclosis run for others")
+    for name, most in MOST.items():
+        if (found := tables["grid"].get(name) or 0) > most:
+            raise InputError(name, found, f"at most {most} in the explorer", "use cyclosis run for more")
+    _refuse_other_models(tables["model"])
+    if of_tables(tables).name == closed.name and tables["grid"].get("k_max") is None:
+        tables["grid"]["k_max"] = USUAL_WAVES  # in the exported configuration too
     kind = tables["initial"].get("kind", KIND)
     if kind not in KINDS:
         raise InputError("kind", kind, "one of " + ", ".join(KINDS) + " in the explorer", "choose another")
@@ -148,13 +172,25 @@ def is_placed(protocol: Protocol) -> bool:
     return any(isinstance(step, Change) and step.where is not None for step in protocol)
 
 
-def check_memory(protocol: Protocol, grid: CylinderGrid) -> None:
+def check_memory(protocol: Protocol, grid: Any) -> None:
     """Raise `InputError` for a protocol that would take much memory."""
     placed = is_placed(protocol)
-    most, points = MOST_PLACED // (grid.n_theta * grid.n_z), f"{grid.n_theta} x {grid.n_z}"
+    most, points = MOST_PLACED // prod(grid.shape), surface_of(grid).points(grid)
     if placed and len(protocol) > most:
         rule = f"at most {most} on {points} points where a step changes parameters in a region"
         raise InputError("steps", len(protocol), rule, "use fewer steps or points")
+
+
+def _refuse_other_models(table: Mapping[str, Any]) -> None:
+    """Refuse models that the explorer does not show."""
+    usual = defaults("model")
+    for name, value in table.items():
+        shown = value in MODELS if name == "kind" else name == "repulsion" or value == usual[name]
+        if not shown:
+            rule = (
+                "left out in the explorer, with its closed cells and the polar model by the paper's closure"
+            )
+            raise InputError(name, value, rule, "use cyclosis run for others")
 
 
 def _refuse_dear(steps: Any) -> None:

@@ -217,6 +217,8 @@ class Visit:
         if isinstance(ask, messages.Speed):
             self.speed = ask.value
         elif isinstance(ask, messages.Vacuole):
+            if ask.on and not cell.surface.straight:
+                raise InputError("vacuole", "a closed cell", "that of the cylinder", "begin a cylinder")
             self.inside.turn(ask)
             self.stale = self.stale or ask.on
         elif isinstance(ask, messages.Set):
@@ -232,7 +234,7 @@ class Visit:
             await self._say(type="hash", t=cell.live.t, sha256=await self.work.quickly(cell.digest))
         elif what == "curves":
             if self.curves is None or self.curves.done():  # they take seconds, during which the cell runs
-                self.curves = asyncio.create_task(self._curves(cell.live.params_now))
+                self.curves = asyncio.create_task(self._curves(cell.live.params_now, cell.surface.straight))
         elif what == "new_seed":
             given = {name: dict(table) for name, table in cell.setup.tables.items()}
             given["initial"]["seed"] = given["initial"].get("seed", 0) + 1
@@ -251,8 +253,8 @@ class Visit:
                 await self._to_frame(cell)
             await self._tell()
 
-    async def _curves(self, params: Parameters) -> None:
-        await self._say(type="curves", **await self.work.slowly(lambda: curves(params)))
+    async def _curves(self, params: Parameters, straight: bool) -> None:
+        await self._say(type="curves", **await self.work.slowly(lambda: curves(params, straight)))
 
     async def _begin(self, ask: messages.Begin) -> None:
         if ask.link is not None:
@@ -319,7 +321,7 @@ class Visit:
         self.unseen, self.sent_at, self.stale = self.unseen + 1, clock.monotonic(), False
         self.acted = False
         await self._send(picture)
-        if cell.shown is not None:
+        if cell.shown is not None and cell.surface.straight:
             self.inside.see(Seen(cell.shown, cell.live.grid, cell.live.t, self.begun, self.playing))
 
     async def _send(self, data: bytes) -> None:

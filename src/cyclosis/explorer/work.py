@@ -12,19 +12,31 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from ..config import Setup
 from ..dynamics.protocol import Protocol
 from ..model.errors import InputError
 from .session import Kind, Session, kind_at
 from .setup import SetUp, is_placed
+from .surfaces import surface_of
 
-MOST_KINDS = 12
-"""Kinds of cell for which compiled programs are kept; each takes about 26 MB."""
+MOST_KINDS = 16
+"""Kinds of cell for which compiled programs are kept; each takes about 26 MB, and a closed one as four."""
 FEW, FEW_PLACED = 100, 10
 """Most steps of a protocol for which adding one is quick, and if they change parameters in regions."""
 _compiled: set[Kind] = set()
 """Kinds whose programs are compiled. JAX keeps these for the whole process."""
 _locks: dict[frozenset[Kind], threading.Lock] = {}
 """Held while programs of those kinds are compiled, so that none is compiled twice."""
+
+CLOSED = 4
+"""The memory that programs of a closed cell take, over that of those of a cylinder."""
+
+
+def taken(kinds: set[Kind]) -> int:
+    """Return how many kinds of cylinder take as much memory as some kinds."""
+    # A closed surface is known by more sizes than those of its grid: `Surface.program`.
+    return sum(CLOSED if len(sizes) > 2 else 1 for sizes, *_ in kinds)
+
 
 Prepare = Callable[[str, bool], contextlib.AbstractAsyncContextManager[None]]
 """Tells a visitor what is being prepared, in a sentence, and whether it is another cell, meanwhile."""
@@ -81,16 +93,27 @@ class Work:
 
     async def opened(self, begun: SetUp, prepare: Prepare = _silently) -> Session:
         """Return the cell of a set-up."""
-        ready = await _within(self.long if len(begun.steps) > FEW_PLACED else self.cells, begun.ready)
+        ready = await self._ready(begun, prepare)
         needed = {kind_at(ready.schedule, ready.grid)}
         cell: Session
         if needed <= _compiled:
             cell = await _within(self._for(ready.protocol), lambda: Session(begun, ready))
         else:
-            points = f"{ready.grid.n_theta} x {ready.grid.n_z}"
-            async with prepare(self._sentence(f"a cell of {points} points"), True):
+            async with prepare(self._sentence(surface_of(ready.grid).words(ready.grid)), True):
                 cell = await self.slowly(lambda: self._prepared(needed, lambda: Session(begun, ready)))
         return cell
+
+    async def _ready(self, begun: SetUp, prepare: Prepare) -> Setup:
+        """Return a set-up ready to run; the harmonics of a new surface take a while."""
+        found: Setup
+        if not await self.quickly(begun.is_dear):
+            few = len(begun.steps) <= FEW_PLACED
+            found = await _within(self.cells if few else self.long, begun.ready)
+        else:
+            words = surface_of(begun.grid).words(begun.grid)
+            async with prepare(f"Preparing the surface of {words}.", True):
+                found = await self.slowly(begun.ready)
+        return found
 
     async def act(self, cell: Session, what: Callable[[], None], prepare: Prepare = _silently) -> None:
         """Act on a cell."""
@@ -103,7 +126,7 @@ class Work:
         """Compile what a set-up needs before anyone requests it, in a thread of low priority."""
         ready = await _within(self.ahead, begun.ready)
         needed = {kind_at(ready.schedule, ready.grid)}
-        if not needed <= _compiled and len(_compiled | needed) <= MOST_KINDS // 2:
+        if not needed <= _compiled and taken(_compiled | needed) <= MOST_KINDS // 2:
             await _within(self.ahead, lambda: self._prepared(needed, lambda: Session(begun, ready)))
 
     def _sentence(self, what: str) -> str:
@@ -125,11 +148,12 @@ class Work:
         return cell
 
     def _make_room(self, needed: set[Kind]) -> None:
-        if len(_compiled | needed) <= MOST_KINDS:
+        if taken(_compiled | needed) <= MOST_KINDS:
             return
         if self.visits > 1:
             rule = "one that the server has already computed while others are here"
-            raise InputError("grid", next(iter(needed - _compiled))[0], rule, "try later, or choose another")
+            found = next(iter(needed - _compiled))[0]
+            raise InputError("grid", found, rule, "try later, or choose another")
         import jax
 
         jax.clear_caches()  # type: ignore[no-untyped-call]

@@ -19,6 +19,7 @@ export function diagram(hub: Hub): HTMLElement {
   const here = h('p', { id: 'diagram-here', class: 'note', 'aria-live': 'polite' });
   const legend = h('ul', { class: 'legend' });
   const note = h('p', { id: 'diagram-caption', class: 'note' });
+  const ends = h('p', { id: 'diagram-ends', class: 'note', hidden: true }, 'This diagram and its lines of theory are those of the cylinder without ends, and do not hold for a closed cell.');
   let curves: Curves | null = null;
   let cursor: [number, number] | null = null;
   let width = 340;
@@ -159,6 +160,10 @@ export function diagram(hub: Hub): HTMLElement {
 
   let asked = '', drawn = '';
   hub.on('cell', ({ parameters: now }) => {
+    const { straight } = hub.model;
+    ends.hidden = straight;
+    for (const each of [canvas, here, legend, note]) each.hidden = !straight;
+    if (!straight) return;
     const rest = JSON.stringify({ ...now, alpha_p: 0, alpha_u: 0 });
     if (rest !== asked) {
       asked = rest;
@@ -180,7 +185,7 @@ export function diagram(hub: Hub): HTMLElement {
   });
   hub.on('look', draw);
   new ResizeObserver(draw).observe(canvas);
-  return panel('diagram', 'Phase diagram', true, canvas, here, legend, note);
+  return panel('diagram', 'Phase diagram', true, canvas, here, legend, note, ends);
 }
 
 function mark(pen: CanvasRenderingContext2D, x: number, y: number, fill: string, edge: string): void {

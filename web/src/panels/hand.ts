@@ -63,6 +63,12 @@ export function hand(hub: Hub, target: HandTarget): Hand {
   // The brush for those who cannot draw, or prefer not to.
   const theta = h('input', { id: 'at-theta', type: 'number', min: 0, max: 6.29, step: 'any', value: '3.14', 'aria-label': 'θ of the brush in radians' });
   const z = h('input', { id: 'at-z', type: 'number', min: 0, step: 'any', value: '2.5', 'aria-label': 'z of the brush in radii' });
+  const along = mathematics('z');
+  hub.on('cell', (cell) => {
+    const { straight } = hub.modelOf(cell);
+    along.textContent = straight ? 'z' : 's';
+    z.setAttribute('aria-label', straight ? 'z of the brush in radii' : 's of the brush, the arc length from the south pole in radii');
+  });
   const apply = h('button', { id: 'brush-here', onclick: () => brush([[Number(theta.value), Number(z.value)]]) }, 'Apply here');
 
   const element = panel(
@@ -72,7 +78,7 @@ export function hand(hub: Hub, target: HandTarget): Hand {
     h('div', { class: 'row slide' }, h('label', { for: 'radius' }, 'Brush'), radius, radiusValue),
     angleRow,
     h('details', { class: 'inner' }, h('summary', {}, 'Brush by numbers'),
-      h('div', { class: 'row' }, mathematics('θ'), theta, mathematics('z'), z, apply)),
+      h('div', { class: 'row' }, mathematics('θ'), theta, along, z, apply)),
     h('div', { class: 'row wrap drugs', role: 'group', 'aria-label': 'Drugs' },
       ...DRUGS.map(([name, title, tip]) =>
         h('button', { id: `drug-${name.replace('_', '-')}`, title: tip, onclick: () => hub.ask({ do: 'drug', name }) }, title)),

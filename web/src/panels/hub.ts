@@ -1,4 +1,4 @@
-import type { About, Ask, Frame, Said, Values } from '../protocol';
+import type { About, Ask, Frame, Model, Said, Values } from '../protocol';
 
 export type Cell = Extract<Said, { type: 'cell' }>;
 export type Curves = Extract<Said, { type: 'curves' }>;
@@ -53,6 +53,16 @@ export class Hub {
   /** The address of the present cell for the exports. */
   get link(): string {
     return this.cell?.link ?? '';
+  }
+
+  /** What holds for the model of the present cell. */
+  get model(): Model {
+    return this.modelOf(this.cell);
+  }
+
+  modelOf(cell: Cell | null): Model {
+    const { models } = this.about;
+    return models[String(cell?.setup.model.kind)] ?? Object.values(models)[0]!;
   }
 
   get parameters(): Values {

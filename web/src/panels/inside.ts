@@ -23,6 +23,8 @@ const ANSWERING = 2000;
 export function insideSwitch(hub: Hub, target: InsideTarget, root: HTMLElement, now: () => number = Date.now): InsideSwitch {
   let on = target.opens && kept('inside') === 'on';
   let asked = -Infinity;
+  /** Whether the present cell is one to look into: a closed cell is not. */
+  let possible = target.opens;
   const button = h('button', {
     id: 'inside', type: 'button', title: 'open the cell and show how the fluid in its vacuole flows (v)', hidden: !target.opens,
     onclick: () => toggle(),
@@ -33,11 +35,13 @@ export function insideSwitch(hub: Hub, target: InsideTarget, root: HTMLElement, 
   };
   const show = (): void => {
     button.setAttribute('aria-pressed', String(on));
-    root.classList.toggle('opened', on);
-    target.setOpen(on);
+    const open = on && possible;
+    button.hidden = !possible;
+    root.classList.toggle('opened', open);
+    target.setOpen(open);
   };
   const toggle = (): void => {
-    if (!target.opens) return;
+    if (!possible) return;
     on = !on;
     keep('inside', on ? 'on' : 'off');
     show();
@@ -45,8 +49,12 @@ export function insideSwitch(hub: Hub, target: InsideTarget, root: HTMLElement, 
   };
   // A new session knows nothing of it, and a request may have been lost with a connection.
   hub.on('cell', (cell) => {
+    const before = possible;
+    possible = target.opens && hub.modelOf(cell).straight;
+    if (possible !== before) show();
+    if (!possible) return;
     if (on !== (cell.vacuole !== undefined) && now() - asked > ANSWERING) ask();
   });
   show();
-  return { element: button, get on() { return on; }, toggle };
+  return { element: button, get on() { return on && possible; }, toggle };
 }

@@ -11,9 +11,12 @@ export interface Line {
 const FILAMENTS: Line = { colour: '--ink', dash: [], upright: false };
 const FLOW: Line = { colour: '--flow', dash: [], upright: false };
 
-/** Filaments in ink and flow in grey; components around the cell are dashed. */
+/** Components across the axis: around a cylinder, and in both directions across a closed cell. */
+const DASHES: [RegExp, number[]][] = [[/_(theta|x)$/, [4, 3]], [/_y$/, [1.5, 2.5]]];
+
+/** Filaments in ink and flow in grey; components across the axis are dashed or dotted. */
 export function lineOf(quantity: string): Line {
-  if (/speed|power|dissipation|^u/.test(quantity)) return FLOW;
-  if (/P_theta$/.test(quantity)) return { ...FILAMENTS, dash: [4, 3] };
-  return { ...FILAMENTS, upright: /P_z$/.test(quantity) };
+  const dash = DASHES.find(([part]) => part.test(quantity))?.[1] ?? [];
+  if (/speed|power|dissipation|circulation|^u/.test(quantity)) return { ...FLOW, dash };
+  return { ...FILAMENTS, dash, upright: /(P|vector)_z$/.test(quantity) };
 }

@@ -1,28 +1,33 @@
-import type { Definition, Values } from '../protocol';
+import type { Definition, Shape, Values } from '../protocol';
 import type { Hub } from './hub';
 import { h, mathematics, panel } from './dom';
 
-type Table = 'grid' | 'initial' | 'run';
+type Table = 'model' | 'grid' | 'initial' | 'run';
 /** A new cell, with the current parameters. */
 export function newCell(hub: Hub): HTMLElement {
   const { about } = hub;
-  const entries = [
-    ...about.initial.map((definition) => entry('initial', definition)),
-    ...about.grid.map((definition) => entry('grid', definition)),
-    entry('run', about.interval),
-  ];
-  const kind = entries.find((e) => e.definition.name === 'kind');
+  const shape = h('select', { id: 'setting-shape', onchange: () => adapt() }, ...about.shapes.map(({ name }) => h('option', { value: name }, SHAPES[name] ?? name)));
+  const chosen = (): Shape => about.shapes.find(({ name }) => name === shape.value) ?? about.shapes[0]!;
+  // Settings of one name mean other things for other shapes.
+  const grids = about.shapes.map((each, k) => ({
+    shape: each,
+    entries: each.settings.map((definition) => entry('grid', definition, k === 0 ? '' : `${each.name}-`)),
+  }));
+  const initial = about.initial.map((definition) => entry('initial', definition));
+  const interval = entry('run', about.interval);
+  const kind = initial.find((e) => e.definition.name === 'kind');
+  const shown = (): Entry[] => [...initial, ...(grids.find((grid) => grid.shape === chosen())?.entries ?? []), interval];
   const adapt = (): void => {
-    const used = about.uses[kind?.input.value ?? 'disordered'];
-    for (const e of entries) {
-      if (e.table !== 'initial' || e === kind) continue;
-      e.element.hidden = used !== undefined && !used.includes(e.definition.name);
-    }
+    const { uses } = about.models[chosen().model]!;
+    const used = uses[kind?.input.value ?? 'disordered'];
+    for (const e of initial) e.element.hidden = e !== kind && used !== undefined && !used.includes(e.definition.name);
+    for (const { shape: each, entries } of grids) for (const e of entries) e.element.hidden = each !== chosen();
   };
   kind?.input.addEventListener('change', adapt);
   hub.on('cell', (cell) => {
     if (!cell.fresh) return;
-    for (const e of entries) {
+    shape.value = shapeOf(cell.setup.grid);
+    for (const e of shown()) {
       const value = cell.setup[e.table][e.definition.name];
       e.input.value = value === null || value === undefined ? '' : String(value);
     }
@@ -30,32 +35,62 @@ export function newCell(hub: Hub): HTMLElement {
   });
   const begin = (event: Event): void => {
     event.preventDefault();
-    const setup: Record<Table | 'parameters', Values> = { parameters: {}, grid: {}, initial: {}, run: {} };
+    const { name: form, model } = chosen();
+    const setup: Record<Table | 'parameters', Values> = { model: {}, parameters: {}, grid: {}, initial: {}, run: {} };
+    if (about.models[model]!.straight === false) {
+      setup.model.kind = model;
+      setup.grid.shape = form;
+    }
+    const { unused } = about.models[model]!;
     for (const { name } of about.parameters) {
       const value = hub.parameters[name];
-      if (value !== undefined && value !== null && !(hub.cell?.special[name] === 'field')) setup.parameters[name] = value;
+      if (unused.includes(name) || value === undefined || value === null || hub.cell?.special[name] === 'field') continue;
+      setup.parameters[name] = value;
     }
-    for (const e of entries) {
+    for (const e of shown()) {
       if (e.element.hidden || e.input.value === '') continue;
       const number = e.definition.kind === 'number' || e.definition.kind === 'whole';
       setup[e.table][e.definition.name] = number ? Number(e.input.value) : e.input.value;
     }
     hub.ask({ do: 'begin', setup });
   };
+  adapt();
   return panel(
     'new-cell', 'New cell', false,
-    h('form', { onsubmit: begin, novalidate: true }, ...entries.map((e) => e.element),
-      h('p', { class: 'note' }, `At most ${about.limits.points} grid points in each direction. Begins at t = 0 with the current parameters.`),
+    h('form', { onsubmit: begin, novalidate: true },
+      h('div', { class: 'setting' }, h('label', { for: 'setting-shape' }, h('small', {}, 'shape of the cell')), shape),
+      ...grids.flatMap(({ entries }) => entries.map((e) => e.element)),
+      ...initial.map((e) => e.element), interval.element,
+      h('p', { class: 'note' }, `At most ${about.limits.points} grid points in each direction, or as many altogether. Begins at t = 0 with the current parameters.`),
       h('button', { id: 'begin', class: 'main', type: 'submit' }, 'Begin')),
   );
 }
 
-function entry(table: Table, definition: Definition) {
+const SHAPES: Record<string, string> = {
+  cylinder: 'cylinder, without ends',
+  capsule: 'capsule, with rounded ends',
+  spheroid: 'spheroid, pointed or flat',
+  sphere: 'sphere, a droplet',
+};
+
+/** The name of the shape that a [grid] table describes. */
+export function shapeOf(grid: Values): string {
+  return typeof grid.shape === 'string' ? grid.shape : 'cylinder';
+}
+
+interface Entry {
+  table: Table;
+  definition: Definition;
+  input: HTMLSelectElement | HTMLInputElement;
+  element: HTMLElement;
+}
+
+function entry(table: Table, definition: Definition, prefix = ''): Entry {
   const { name, symbol, meaning, allowed } = definition;
-  const id = `setting-${name}`;
+  const id = `setting-${prefix}${name}`;
   const input = allowed.length
-    ? h('select', { id }, ...allowed.map((choice) => h('option', { value: choice }, choice)))
-    : h('input', { id, type: 'number', step: 'any', min: definition.minimum, max: definition.maximum });
+    ? h('select', { id }, ...allowed.map((choice) => h('option', { value: choice, selected: choice === definition.default }, String(choice))))
+    : h('input', { id, type: 'number', step: 'any', min: definition.minimum, max: definition.maximum, value: definition.default ?? '' });
   const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning));
   return { table, definition, input, element: h('div', { class: 'setting' }, label, input) };
 }

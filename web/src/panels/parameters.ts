@@ -18,7 +18,7 @@ export function parameters(hub: Hub): HTMLElement {
     flush(null);
   };
   const rows = hub.about.parameters.map((definition) => new Row(definition, change));
-  hub.on('cell', (cell) => rows.forEach((row) => row.show(cell)));
+  hub.on('cell', (cell) => rows.forEach((row) => row.show(cell, hub.modelOf(cell).unused)));
   return panel('parameters', 'Parameters', true, ...rows.map((row) => row.element));
 }
 
@@ -62,8 +62,9 @@ class Row {
     this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, head, this.chip, this.slider, this.field, this.reset);
   }
 
-  show(cell: Cell): void {
+  show(cell: Cell, unused: string[]): void {
     const { name, default: fallback } = this.definition;
+    this.element.hidden = unused.includes(name);
     const value = cell.parameters[name];
     this.own = (cell.setup.parameters[name] ?? fallback) as number | boolean;
     const special = cell.special[name];

@@ -9,7 +9,8 @@ import { roomBeyond, roomFor, tickTexts } from './ticks';
 import { charted } from './words';
 
 const SHARED: [RegExp, string][] = [
-  [/^mean_P/, 'mean P'],
+  [/^mean_(P|vector)/, 'mean P'],
+  [/^circulation/, 'rotation'],
   [/power|dissipation/, 'power'],
 ];
 const FONT = '11px system-ui, sans-serif';
@@ -32,38 +33,57 @@ const plain = (symbol: string): string => symbol.replace(/[<>⟨⟩]/g, '').repl
 /** A curve: the quantity, and its symbol where several share a chart. */
 type Curve = [quantity: string, symbol: string];
 
-/** The recorded numbers over time, and the mean along the axis against the angle. */
+/** The recorded numbers over time, and on a cylinder the mean along the axis against the angle. */
 export function traces(hub: Hub): HTMLElement {
-  const { traces: recorded } = hub.about;
-  const history = new History(recorded.length + 1);
-  const hosts: [HTMLElement, uPlot, () => uPlot.AlignedData][] = [];
+  let { model } = hub;
+  let history = new History(model.traces.length + 1);
+  let hosts: [HTMLElement, uPlot, () => uPlot.AlignedData][] = [];
   const add = (title: string, meanings: string[], x: string, curves: Curve[], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
     const host = h('div', { class: 'plot' });
     const keys = curves.filter(([, symbol]) => symbol).map(([quantity, symbol]) => {
       const { colour, dash } = lineOf(quantity);
-      return h('span', { class: 'key', style: `--line: var(${colour}); --dash: ${dash.length ? 'dashed' : 'solid'}` }, mathematics(symbol));
+      const style = dash.length === 0 ? 'solid' : dash[0]! < 3 ? 'dotted' : 'dashed';
+      return h('span', { class: 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
     });
     const words = explain(title, () => [
-      ...charted(title).map((sentence) => h('p', {}, sentence)),
+      ...charted(title, hub.model.straight).map((sentence) => h('p', {}, sentence)),
       h('p', { class: 'note' }, `As the package records it: ${meanings.join('; ')}.`),
     ]);
     const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), words, ...keys), host);
     hosts.push([host, chart(host, x, curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
-  const pick = (k: number): Trace => recorded[k - 1]!;
-  const charts = grouped(recorded).map(({ title, columns }) =>
-    add(title, columns.map((k) => pick(k).meaning), 't',
-      columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
-      () => [history.columns[0]!, ...columns.map((k) => history.columns[k]!)] as uPlot.AlignedData));
-
   let angles = new Float64Array();
-  const profile = add('profile', ['means along the axis against the angle θ'], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
+  const profile = (): HTMLElement => add('profile', ['means along the axis against the angle θ'], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
     const frame = hub.frame;
     if (!frame) return [[], [], []];
     if (angles.length !== frame.n_theta) angles = Float64Array.from({ length: frame.n_theta }, (_, i) => (2 * Math.PI * i) / frame.n_theta);
     return [angles, frame.profile_P, frame.profile_u] as unknown as uPlot.AlignedData;
   }, [-1, 1]);
+
+  const section = h('section', { id: 'charts', 'aria-label': 'Traces over time' });
+  const build = (): void => {
+    for (const [host, plot] of hosts) {
+      observer.unobserve(host);
+      plot.destroy();
+    }
+    hosts = [];
+    const recorded = model.traces;
+    const rows = (history = new History(recorded.length + 1));
+    const pick = (k: number): Trace => recorded[k - 1]!;
+    const charts = grouped(recorded).map(({ title, columns }) =>
+      add(title, columns.map((k) => pick(k).meaning), 't',
+        columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
+        () => [rows.columns[0]!, ...columns.map((k) => rows.columns[k]!)] as uPlot.AlignedData));
+    section.replaceChildren(...charts, ...(model.straight ? [profile()] : []));
+    hosts.forEach(([host]) => observer.observe(host));
+  };
+  const observer = new ResizeObserver((entries) => {
+    for (const { target, contentRect } of entries) {
+      const found = hosts.find(([host]) => host === target);
+      if (found && contentRect.width > 0) found[1].setSize({ width: contentRect.width, height: Math.max(70, contentRect.height) });
+    }
+  });
 
   // Ten times per second is enough for curves, and leaves time for the cell itself.
   let waiting = false;
@@ -75,8 +95,13 @@ export function traces(hub: Hub): HTMLElement {
       for (const [, plot, data] of hosts) plot.setData(data());
     }), 100);
   };
-  hub.on('cell', ({ fresh }) => {
-    if (!fresh) return;
+  hub.on('cell', (cell) => {
+    if (!cell.fresh) return;
+    const now = hub.modelOf(cell);
+    if (now !== model) {
+      model = now;
+      build();
+    }
     history.clear();
     redraw();
   });
@@ -85,14 +110,8 @@ export function traces(hub: Hub): HTMLElement {
     redraw();
   });
   hub.on('look', () => hosts.forEach(([, plot]) => plot.redraw(false, true)));
-  const observer = new ResizeObserver((entries) => {
-    for (const { target, contentRect } of entries) {
-      const found = hosts.find(([host]) => host === target);
-      if (found && contentRect.width > 0) found[1].setSize({ width: contentRect.width, height: Math.max(70, contentRect.height) });
-    }
-  });
-  hosts.forEach(([host]) => observer.observe(host));
-  return h('section', { id: 'charts', 'aria-label': 'Traces over time' }, ...charts, profile);
+  build();
+  return section;
 }
 
 const style = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -11,6 +11,9 @@ const TITLES: Record<string, string> = {
   circumferential: 'around the axis',
   travelling: 'moving streams',
   undecided: 'not yet decided',
+  'source-to-sink': 'from pole to pole',
+  swirl: 'around the axis',
+  circulation: 'circulation',
 };
 const COUNTS = ['no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten', 'eleven', 'twelve'];
 /** Widths, as shares of the circumference, that differ by less look equal. */
@@ -35,9 +38,16 @@ const CHARTS: Record<string, string[]> = {
   ],
 };
 
+/** Those that mean something else on a closed cell. */
+const ON_CLOSED: Record<string, string[]> = {
+  'mean P': ['The mean of all filaments as an arrow in space. Solid is its part along the axis, up above zero and down below it; dashed and dotted are those across the cell.',
+    'Two equal streams cancel: then it is near zero, however strong they are.'],
+  rotation: ['About which axis, and how fast, the fluid goes around as a whole: the angular velocity if a droplet turns like a solid ball. Solid is the part about the axis of the cell.'],
+};
+
 /** What a chart shows, in sentences; those over time end with the unit of time. */
-export function charted(chart: string): string[] {
-  const words = CHARTS[chart] ?? [];
+export function charted(chart: string, straight = true): string[] {
+  const words = (straight ? undefined : ON_CLOSED[chart]) ?? CHARTS[chart] ?? [];
   return chart === 'profile' ? words : [...words, TIME];
 }
 
@@ -48,6 +58,7 @@ export function title(regime: Regime): string {
 /** What the cell shows, in a sentence without jargon. `profile` is the axial mean of P_z over theta. */
 export function seen(regime: Regime, profile: ArrayLike<number>): string {
   const [fewest, most] = regime.boundaries;
+  const closed = regime.defects !== undefined;
   switch (regime.name) {
     case 'disordered':
       return 'Filaments point every way, and next to nothing streams.';
@@ -55,13 +66,21 @@ export function seen(regime: Regime, profile: ArrayLike<number>): string {
       return `All filaments point ${regime.mean[1] > 0 ? 'up' : 'down'}. No fluid passes the ends, so it cannot stream.`;
     case 'circumferential':
       return 'Filaments run around the cell, not along it.';
+    case 'source-to-sink':
+      return `Filaments run ${regime.mean[1] > 0 ? 'up' : 'down'} from one end of the cell to the other. No fluid can follow them, so hardly any streams.`;
+    case 'swirl':
+      return 'Filaments run around the axis of the cell, and so does the fluid.';
+    case 'circulation':
+      return 'The fluid goes around one axis between two vortices, and all of the droplet turns the same way.';
     case 'cyclosis':
+      if (closed) return 'Two streams, one up and one down, that turn over at the ends of the cell.';
       return `Two streams, one up and one down, along the whole cell${shares(regime, profile)}.`;
     case 'multistripe':
       return `${capital(counted(most))} streams along the whole cell, up and down in turn.`;
     case 'travelling':
       return `The pattern keeps its shape and moves ${movement(regime.drift)}.`;
   }
+  if (closed && regime.name === 'undecided' && /rotation explains/.test(regime.reason)) return 'The droplet has filaments in order, but no single axis that the fluid goes around.';
   if (fewest !== most) return `${fewest === 0 ? 'Up' : capital(counted(fewest))} to ${counted(most)} boundaries between streams, depending on the height.`;
   if (regime.around > MOSTLY_AROUND) return 'Most filaments run around the cell, not along it.';
   return 'Filaments point up in one part of the length and down in another.';
@@ -80,7 +99,7 @@ export function pace({ name, pace: rate }: Regime): string {
 /** The numbers behind the sentences: name, value, meaning. */
 export function numbers(regime: Regime): [string, string, string][] {
   const [fewest, most] = regime.boundaries;
-  const { pace: rate, widths, drift } = regime;
+  const { pace: rate, widths, drift, defects, circulation } = regime;
   const rows: [string, string, string][] = [
     ['regime', regime.name, 'the name that the package gives this state'],
     ['order', short(regime.order), 'how much neighbouring filaments agree, over the whole cell: 0 is disorder (below 0.05), 1 is full agreement'],
@@ -89,6 +108,11 @@ export function numbers(regime: Regime): [string, string, string][] {
   ];
   if (widths.length) rows.push(['widths', widths.map((width) => `${Math.round(100 * width)} %`).join(', '), 'shares of the circumference that the streams take']);
   if (regime.name === 'travelling') rows.push(['movement', `${short(drift[0])}, ${short(drift[1])}`, 'around (radians) and along (radii) in one R/U']);
+  if (defects) {
+    const count = (sign: number): number => defects.filter(([index]) => Math.sign(index) === sign).length;
+    rows.push(['defects', `${count(1)} of +, ${count(-1)} of −`, 'points where filaments have no direction, marked in the pictures; around + they turn once with the way, around − once against it. On any closed cell two more are + than −, if each turns once']);
+  }
+  if (circulation) rows.push(['circulation', circulation.map((part) => short(part)).join(', '), 'the angular velocity (x, y, z) of the fluid as a whole, in U/R; z is the axis']);
   if (typeof rate === 'number') rows.push(['pace', `${short(rate)} U/R`, 'changes grow as exp(pace × time); they die away where it is negative. Measured over the last 2 R/U']);
   return rows;
 }

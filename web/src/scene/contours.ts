@@ -22,7 +22,7 @@ export class Pieces {
 }
 
 /**
- * Find where `values` (value at y * width + x, periodic in both) pass through zero. `strength` is read at the
+ * Find where `values` (value at y * width + x, periodic in both, or in x alone) pass through zero. `strength` is read at the
  * same points; pieces below `least` are left out, so that disorder is not full of lines.
  */
 export function zeroLines(
@@ -32,9 +32,10 @@ export function zeroLines(
   strength: Float32Array,
   least: number,
   out: Pieces,
+  alone = false,
 ): void {
   out.count = 0;
-  for (let y = 0; y < height; y++) {
+  for (let y = 0; y < (alone ? height - 1 : height); y++) {
     const row = y * width;
     const next = y + 1 < height ? row + width : 0;
     for (let x = 0; x < width; x++) {

@@ -1,5 +1,7 @@
 // How strongly filaments on the two sides of a line P_z = 0 differ in direction, as in `cyclosis.zones.contrast`.
 
+import type { Surface } from './surface';
+
 /** How far from a line streams are sought on both sides, in radii. */
 export const REACH = 0.5;
 /** Length averaged over on each side before that, in radii: noise does not count as a stream. */
@@ -7,6 +9,9 @@ export const GRAIN = 0.2;
 /** Contrast below which a line is not drawn, and above which it is drawn in full. */
 export const FAINT = 0.05;
 export const PLAIN = 0.15;
+
+/** On closed cells lines are not drawn where the radius is below the first, near the poles, where streams turn over. */
+const BODY: [number, number] = [0.4, 0.6];
 
 /** How strongly a line of some contrast is drawn, 0 to 1. */
 export function weight(contrast: number): number {
@@ -19,13 +24,13 @@ function pointsWithin(reach: number, spacing: number, count: number): number {
   return 2 * Math.min(eachWay, Math.floor((count - 1) / 2)) + 1;
 }
 
-/** Lines of a field: how many, and how far apart they begin; values on each, and how far apart these are. */
+/** Lines of a field: how many, and how far apart they begin; values on each, and how far apart these are on a line. */
 interface Lines {
   lines: number;
   between: number;
   count: number;
   step: number;
-  spacing: number;
+  spacing(line: number): number;
 }
 
 /** Computes the contrast around every point of a periodic grid, in preallocated arrays. */
@@ -37,12 +42,18 @@ export class Contrast {
   private readonly lowest: Float32Array;
   private readonly along: Lines;
   private readonly across: Lines;
+  /** The share of the contrast that counts, for each z. */
+  private readonly counts: Float32Array;
 
-  constructor(n_theta: number, n_z: number, length: number) {
+  constructor(n_theta: number, n_z: number, surface: Surface) {
+    const { period, closed, axial } = surface;
+    const radii = Float32Array.from({ length: n_z }, (_, j) => Math.abs(surface.radius((j * period) / n_z)));
+    const share = (r: number): number => Math.min(1, Math.max(0, (r - BODY[0]) / (BODY[1] - BODY[0])));
+    this.counts = radii.map((r) => (closed ? (axial ? share(r) : 0) : 1));
     const field = (): Float32Array => new Float32Array(n_theta * n_z);
     [this.values, this.smooth, this.passed, this.highest, this.lowest] = [field(), field(), field(), field(), field()];
-    this.along = { lines: n_theta, between: n_z, count: n_z, step: 1, spacing: length / n_z };
-    this.across = { lines: n_z, between: 1, count: n_theta, step: n_z, spacing: (2 * Math.PI) / n_theta };
+    this.along = { lines: n_theta, between: n_z, count: n_z, step: 1, spacing: () => period / n_z };
+    this.across = { lines: n_z, between: 1, count: n_theta, step: n_z, spacing: (j) => (2 * Math.PI * Math.max(radii[j], BODY[0])) / n_theta };
   }
 
   /** Set `values` to min(max p, max(-p)) around every point, where p is the theta-major P_z, smoothed. */
@@ -54,16 +65,17 @@ export class Contrast {
     extreme(passed, highest, across, Math.max);
     extreme(smooth, passed, along, Math.min);
     extreme(passed, lowest, across, Math.min);
-    for (let p = 0; p < values.length; p++) values[p] = Math.min(highest[p], -lowest[p]);
+    const { counts } = this;
+    for (let p = 0; p < values.length; p++) values[p] = counts[p % counts.length] * Math.min(highest[p], -lowest[p]);
     return values;
   }
 }
 
 /** Write the mean of every point's neighbourhood on periodic lines. */
 function averaged(from: Float32Array, to: Float32Array, { lines, between, count, step, spacing }: Lines): void {
-  const points = pointsWithin(GRAIN, spacing, count);
-  const half = (points - 1) / 2;
   for (let line = 0; line < lines; line++) {
+    const points = pointsWithin(GRAIN, spacing(line), count);
+    const half = (points - 1) / 2;
     const start = line * between;
     for (let k = 0; k < count; k++) {
       let sum = 0;
@@ -80,8 +92,8 @@ function extreme(
   { lines, between, count, step, spacing }: Lines,
   further: (a: number, b: number) => number,
 ): void {
-  const half = (pointsWithin(REACH, spacing, count) - 1) / 2;
   for (let line = 0; line < lines; line++) {
+    const half = (pointsWithin(REACH, spacing(line), count) - 1) / 2;
     const start = line * between;
     for (let k = 0; k < count; k++) {
       let found = from[start + k * step];

@@ -1,10 +1,11 @@
 // Pointer and keyboard input on the cylinder or the map: turning the cell or painting on it.
 
-import { Stroke, wrap, type Point } from './brush';
+import { Stroke } from './brush';
 import type { BrushMark } from './cylinder';
 import type { Fields } from './fields';
 import { listen } from './gestures';
 import type { UnwrappedMap } from './map';
+import { wrap, type Place } from './surface';
 import type { View } from './view';
 
 export type Tool = 'turn' | 'wound' | 'fragment' | 'align';
@@ -14,7 +15,7 @@ const TURN = 2 * Math.PI;
 export class Control {
   tool: Tool = 'turn';
   readonly mark: BrushMark = { theta: Math.PI, z: 2.5, radius: 0.3, shown: false };
-  onStroke: ((points: Point[]) => void) | null = null;
+  onStroke: ((points: Place[]) => void) | null = null;
 
   private stroke: Stroke | null = null;
 
@@ -85,7 +86,7 @@ export class Control {
     this.changed();
   }
 
-  private point(at: Point | null): void {
+  private point(at: Place | null): void {
     const shown = this.painting && at !== null;
     if (!shown && !this.mark.shown) return;
     this.mark.shown = shown;
@@ -93,14 +94,14 @@ export class Control {
     this.changed();
   }
 
-  private begin(at: Point): void {
+  private begin(at: Place): void {
     this.point(at);
-    const send = (points: Point[]): void => this.onStroke?.(points);
-    this.stroke = new Stroke(send, this.mark.radius, this.fields.length, performance.now());
+    const send = (points: Place[]): void => this.onStroke?.(points);
+    this.stroke = new Stroke(send, this.mark.radius, this.fields.surface, performance.now());
     this.stroke.add(at, performance.now());
   }
 
-  private paint(at: Point): void {
+  private paint(at: Place): void {
     this.point(at);
     this.stroke?.add(at, performance.now());
   }
@@ -154,11 +155,14 @@ export class Control {
     const step = event.shiftKey ? 0.5 : 0.1;
     const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (way && this.painting) {
-      this.point([wrap(mark.theta + step * way[0], TURN), wrap(mark.z + step * way[1], fields.length)]);
+      // On a closed cell a step around is as long near the poles, where it is a larger angle.
+      const { surface } = fields;
+      const around = (step * way[0]) / Math.max(0.2, Math.abs(surface.radius(mark.z)));
+      this.point(surface.within(mark.theta + around, mark.z + step * way[1]));
     } else if (way && way[0] !== 0) {
       this.face(this.view.turn + step * way[0]);
     } else if ((event.key === 'Enter' || event.key === ' ') && this.painting) {
-      const z = Math.min(mark.z, fields.length * (1 - 1e-6));
+      const z = Math.min(mark.z, fields.surface.length * (1 - 1e-6));
       this.point([mark.theta, z]);
       if (!event.repeat) this.onStroke?.([[mark.theta, z]]);
     } else return;

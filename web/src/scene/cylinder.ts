@@ -1,12 +1,14 @@
-// The cell as a cylinder, drawn with WebGL.
+// The cell as a solid, drawn with WebGL.
 
 import * as THREE from 'three';
-import type { Palette } from '../protocol';
+import type { Defect, Palette } from '../protocol';
+import { Defects } from './defects';
 import type { Fields } from './fields';
 import { paletteTable, rgb } from './palette';
 import type { Particles } from './particles';
 import { Opened } from './opened';
-import { endFragment, endVertex, surfaceFragment, surfaceVertex } from './shaders';
+import { endFragment, endVertex, STEPS, surfaceFragment, surfaceVertex } from './shaders';
+import type { Surface } from './surface';
 import type { Tracers } from './tracers';
 import { Trails } from './trails';
 import type { View } from './view';
@@ -32,6 +34,8 @@ export class Cylinder {
   private readonly end: THREE.Mesh;
   private readonly trails: Trails;
   private readonly opened: Opened;
+  private readonly defects: Defects;
+  private shown: Surface | null = null;
   private order: THREE.DataTexture | null = null;
   private readonly colours: THREE.DataTexture;
   private version = -1;
@@ -60,6 +64,12 @@ export class Cylinder {
       tilt: { value: 0 },
       inner: { value: 0 },
       cell: { value: 1 },
+      span: { value: 1 },
+      closed: { value: 0 },
+      axial: { value: 1 },
+      eye: { value: new THREE.Vector3(0, 0, 1) },
+      middle: { value: new THREE.Vector3() },
+      profile: { value: Array.from({ length: STEPS + 1 }, () => new THREE.Vector4()) },
       mixing: { value: 1 },
       radius: { value: 1 },
       pixel: { value: 1 },
@@ -70,11 +80,12 @@ export class Cylinder {
       paper: { value: new THREE.Vector3() },
       shade: { value: new THREE.Vector3() },
     };
-    this.surface = this.mesh(ring(0, 1), surfaceVertex, surfaceFragment, THREE.FrontSide);
+    this.surface = this.mesh(new THREE.BufferGeometry(), surfaceVertex, surfaceFragment, THREE.FrontSide);
     this.end = this.mesh(ring(0, 1), endVertex, endFragment, THREE.DoubleSide);
     this.trails = new Trails(particles, this.uniforms);
     this.opened = new Opened(tracers, this.uniforms);
-    this.scene.add(this.surface, this.end, this.trails.mesh, this.opened.group);
+    this.defects = new Defects(this.uniforms);
+    this.scene.add(this.surface, this.end, this.trails.mesh, this.opened.group, this.defects.mesh);
     this.setDark(dark);
   }
 
@@ -110,7 +121,15 @@ export class Cylinder {
     this.uniforms.shade.value = linear(dark ? '#211d27' : '#d8d3df');
   }
 
-  draw(now: number, fields: Fields, mixing: number, view: View, mark: BrushMark, ratio: number): void {
+  draw(
+    now: number,
+    fields: Fields,
+    mixing: number,
+    view: View,
+    mark: BrushMark,
+    defects: Defect[],
+    ratio: number,
+  ): void {
     const { width, height } = view;
     const { renderer, camera, uniforms } = this;
     if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
@@ -121,12 +140,14 @@ export class Cylinder {
       return;
     }
     this.upload(fields);
+    const { surface } = fields;
+    this.build(surface);
     const { scale, tilt } = view;
     camera.left = -width / 2 / scale;
     camera.right = -camera.left;
     camera.top = height / 2 / scale;
     camera.bottom = -camera.top;
-    const far = 2 * fields.length + 10;
+    const far = 4 * surface.half + 10;
     camera.near = 0.1;
     camera.far = 2 * far;
     camera.position.set(0, view.centre + far * Math.sin(tilt), far * Math.cos(tilt));
@@ -136,21 +157,41 @@ export class Cylinder {
     uniforms.toScreen.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     uniforms.turn.value = view.turn;
     uniforms.tilt.value = tilt;
-    uniforms.cell.value = fields.length;
     uniforms.mixing.value = mixing;
     uniforms.radius.value = scale * ratio;
     uniforms.pixel.value = ratio;
+    uniforms.eye.value.set(0, surface.closed ? Math.sin(tilt) : 0, surface.closed ? Math.cos(tilt) : 1);
     const { open } = view;
     // Of the closed cell the near end is seen, of the opened one the far end.
-    uniforms.height.value = (tilt >= 0 !== open ? 0.5 : -0.5) * fields.length;
+    uniforms.height.value = (tilt >= 0 !== open ? 1 : -1) * surface.half;
     uniforms.inner.value = open ? 1 : 0;
     (this.surface.material as THREE.Material).side = open ? THREE.BackSide : THREE.FrontSide;
     this.trails.mesh.visible = !open;
     this.opened.group.visible = open;
+    this.end.visible = !surface.closed;
+    this.defects.mesh.visible = surface.closed && !open;
+    this.defects.update(defects, surface, width, height, ratio);
+    const { r, z } = surface.skin(mark.z);
+    uniforms.middle.value.set(r * Math.sin(mark.theta - view.turn), z, r * Math.cos(mark.theta - view.turn));
     uniforms.brush.value.set(mark.theta, mark.z, mark.radius, mark.shown ? 1 : 0);
     if (open) this.opened.update(now, width, height, ratio);
     else this.trails.update(width, height, ratio);
     renderer.render(this.scene, camera);
+  }
+
+  /** Set the solid to that of a surface. */
+  private build(surface: Surface): void {
+    if (surface === this.shown) return;
+    this.shown = surface;
+    const { uniforms } = this;
+    uniforms.cell.value = surface.period;
+    uniforms.span.value = surface.length;
+    uniforms.closed.value = surface.closed ? 1 : 0;
+    uniforms.axial.value = surface.axial ? 1 : 0;
+    const { profile } = surface;
+    if (surface.closed) (uniforms.profile.value as THREE.Vector4[]).forEach((each, k) => each.fromArray(profile, 4 * k));
+    this.surface.geometry.dispose();
+    this.surface.geometry = skin(profile);
   }
 
   private upload(fields: Fields): void {
@@ -184,4 +225,39 @@ function ring(low: number, high: number): THREE.BufferGeometry {
   geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
   geometry.setIndex(index);
   return geometry;
+}
+
+/** The solid around the axis that rows of (radius, height, normal outwards and upwards) make. */
+function skin(profile: Float32Array): THREE.BufferGeometry {
+  const rows = profile.length / 4;
+  const place = new Float32Array(2 * rows * (AROUND + 1));
+  const skins = new Float32Array(4 * rows * (AROUND + 1));
+  const bends = new Float32Array(2 * rows * (AROUND + 1));
+  const curvatures = Array.from({ length: rows }, (_, j) => bend(profile, j));
+  const index: number[] = [];
+  for (let k = 0, v = 0; k <= AROUND; k++) {
+    for (let j = 0; j < rows; j++, v++) {
+      bends.set(curvatures[j], 2 * v);
+      place.set([(2 * Math.PI * k) / AROUND, j / (rows - 1)], 2 * v);
+      skins.set(profile.subarray(4 * j, 4 * j + 4), 4 * v);
+      if (k < AROUND && j + 1 < rows) index.push(v, v + rows, v + 1, v + 1, v + rows, v + rows + 1);
+    }
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('place', new THREE.BufferAttribute(place, 2));
+  geometry.setAttribute('skin', new THREE.BufferAttribute(skins, 4));
+  geometry.setAttribute('bend', new THREE.BufferAttribute(bends, 2));
+  geometry.setIndex(index);
+  return geometry;
+}
+
+/** The curvatures of row j, around the axis and along the meridian: how fast the normal turns. */
+function bend(profile: Float32Array, j: number): [number, number] {
+  const last = profile.length / 4 - 1;
+  const [below, above] = [4 * Math.max(0, j - 1), 4 * Math.min(last, j + 1)];
+  const angle = (at: number): number => Math.atan2(profile[at + 3], profile[at + 2]);
+  const length = Math.hypot(profile[above] - profile[below], profile[above + 1] - profile[below + 1]);
+  const along = Math.abs(angle(above) - angle(below)) / (length || 1);
+  const [r, out] = [profile[4 * j], profile[4 * j + 2]];
+  return [r > 1e-3 ? out / r : along, along];
 }

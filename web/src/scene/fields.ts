@@ -2,13 +2,20 @@
 
 import type { Frame } from '../protocol';
 import { Contrast } from './contrast';
+import { CylinderSurface, type Surface } from './surface';
 
 /** Milliseconds between frames that count towards the mean interval; longer gaps are pauses. */
 const BRIEFEST = 16;
 const LONGEST = 1500;
 
+/**
+ * Fields on the chart (theta, z) of a surface, periodic in both. On a closed surface z runs up a meridian and down
+ * the one behind it: the chart is smooth over the poles, and every place is in it twice.
+ */
 export class Fields {
+  surface: Surface = new CylinderSurface(1);
   n_theta = 0;
+  /** Points along the chart, and its period. */
   n_z = 0;
   length = 1;
   /** Peak speed now, and the largest since the cell began. */
@@ -18,7 +25,7 @@ export class Fields {
   frame = -1;
   /** Counts frames, so that others see when something is new. */
   version = 0;
-  /** Four values per point: P_z and the contrast around it before, and both now. */
+  /** Four values per point: P_z (|P| on a sphere) and the contrast around it before, and both now. */
   order = new Float32Array(0);
   /** Flow at the moment of the last `blend`: u_theta, u_z for each point. */
   flow = new Float32Array(0);
@@ -28,7 +35,7 @@ export class Fields {
 
   private before = new Float32Array(0);
   private now = new Float32Array(0);
-  private contrast = new Contrast(1, 1, 1);
+  private contrast = new Contrast(1, 1, this.surface);
   private arrived = 0;
   private interval = 60;
 
@@ -36,11 +43,11 @@ export class Fields {
     return this.frame < 0;
   }
 
-  /** Add a new frame at time `at` (ms); the transition to it begins with the present picture. */
-  take(frame: Frame, at: number): void {
-    const points = frame.n_theta * frame.n_z;
-    const another =
-      this.empty || frame.n_theta !== this.n_theta || frame.n_z !== this.n_z || frame.length !== this.length;
+  /** Add a new frame at time `at` (ms) on a surface; the transition to it begins with the present picture. */
+  take(frame: Frame, surface: Surface, at: number): void {
+    const rows = surface.closed ? 2 * (frame.n_z - 1) : frame.n_z;
+    const points = frame.n_theta * rows;
+    const another = this.empty || frame.n_theta !== this.n_theta || rows !== this.n_z || surface !== this.surface;
     if (another) {
       if (this.order.length !== 4 * points) {
         this.order = new Float32Array(4 * points);
@@ -49,12 +56,13 @@ export class Fields {
         this.now = new Float32Array(2 * points);
       }
       this.n_theta = frame.n_theta;
-      this.n_z = frame.n_z;
-      this.length = frame.length;
-      this.contrast = new Contrast(frame.n_theta, frame.n_z, frame.length);
+      this.n_z = rows;
+      this.length = surface.period;
+      this.surface = surface;
+      this.contrast = new Contrast(frame.n_theta, rows, surface);
     }
     const { order, before, now } = this;
-    const { P_z, u_theta, u_z } = frame;
+    const [P_z, u_theta, u_z] = charted(frame, surface);
     const contrast = this.contrast.of(P_z);
     const m = another ? 0 : this.mixing(at);
     for (let p = 0, q = 0, r = 0; p < points; p++, q += 4, r += 2) {
@@ -104,4 +112,31 @@ export class Fields {
     this.interval = 60;
     this.version++;
   }
+}
+
+/** What is coloured, and the flow, on the chart of a surface. */
+function charted(frame: Frame, surface: Surface): [Float32Array, Float32Array, Float32Array] {
+  const { P_theta, P_z, u_theta, u_z, n_theta, n_z } = frame;
+  if (!surface.closed) return [P_z, u_theta, u_z];
+  const twice = (field: Float32Array, sign: number): Float32Array => doubled(field, n_theta, n_z, sign);
+  const shown = surface.axial ? twice(P_z, -1) : twice(P_z.map((value, p) => Math.hypot(value, P_theta[p])), 1);
+  return [shown, twice(u_theta, -1), twice(u_z, -1)];
+}
+
+/**
+ * A field of a closed surface, given from pole to pole, on its chart: beyond a pole follows the meridian behind, where
+ * components have the other sign.
+ */
+export function doubled(field: Float32Array, n_theta: number, n_z: number, sign: number): Float32Array {
+  const last = n_z - 1;
+  const rows = 2 * last;
+  const out = new Float32Array(n_theta * rows);
+  const behind = [Math.floor(n_theta / 2), Math.ceil(n_theta / 2)];
+  for (let i = 0; i < n_theta; i++) {
+    const to = i * rows;
+    const [a, b] = behind.map((half) => ((i + half) % n_theta) * n_z);
+    for (let j = 0; j <= last; j++) out[to + j] = field[i * n_z + j];
+    for (let j = last + 1; j < rows; j++) out[to + j] = 0.5 * sign * (field[a + rows - j] + field[b + rows - j]);
+  }
+  return out;
 }

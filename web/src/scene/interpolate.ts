@@ -32,13 +32,16 @@ export function flowAt(
   out[1] = wp * flow[p + 1] + wq * flow[q + 1] + wr * flow[r + 1] + ws * flow[s + 1];
 }
 
-/** Four neighbours and their cubic (Catmull-Rom) weights for each of `count` pixel centres over `n` periodic points. */
-function stencil(n: number, count: number, reversed: boolean): { index: Int32Array; weight: Float32Array } {
+/**
+ * Four neighbours and their cubic (Catmull-Rom) weights for each of `count` pixel centres over `n` periodic points, or
+ * over the first `share` of them.
+ */
+function stencil(n: number, count: number, reversed: boolean, share = 1): { index: Int32Array; weight: Float32Array } {
   const index = new Int32Array(4 * count);
   const weight = new Float32Array(4 * count);
   for (let k = 0; k < count; k++) {
     const pixel = reversed ? count - 1 - k : k;
-    const x = ((pixel + 0.5) / count) * n;
+    const x = ((pixel + 0.5) / count) * n * share;
     const i = Math.floor(x);
     const t = x - i;
     for (let m = 0; m < 4; m++) index[4 * k + m] = (i + m - 1 + 2 * n) % n;
@@ -62,9 +65,11 @@ export class Enlarger {
     readonly n_z: number,
     readonly width: number,
     readonly height: number,
+    /** The share of the rows of the field that the image shows. */
+    readonly share = 1,
   ) {
     this.across = stencil(n_theta, width, false);
-    this.along = stencil(n_z, height, true);
+    this.along = stencil(n_z, height, true, share);
     this.columns = new Float32Array(n_theta * height);
     this.line = new Float32Array(n_z);
   }

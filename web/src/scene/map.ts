@@ -1,11 +1,13 @@
-// The unwrapped cell: theta to the right, z up. Needs no WebGL.
+// The unwrapped cell: theta to the right, z up. On a closed cell every row is as wide as the circle there, so that areas
+// are true (the sinusoidal projection of the figures). Needs no WebGL.
 
 import type { BrushMark } from './cylinder';
 import type { Fields } from './fields';
 import { TRAIL, type Particles } from './particles';
 import { Raster } from './raster';
 import { POINTS, Streamlines } from './streamlines';
-import type { Palette } from '../protocol';
+import { CylinderSurface, nearest, type Place, type Surface } from './surface';
+import type { Defect, Palette } from '../protocol';
 
 const TURN = 2 * Math.PI;
 const MARGIN = { left: 30, right: 12, top: 10, bottom: 34 };
@@ -24,7 +26,7 @@ export class UnwrappedMap {
   zone: string;
 
   private readonly lines = new Streamlines();
-  private length = 5;
+  private surface: Surface = new CylinderSurface(5);
   private ratio = 1;
 
   constructor(
@@ -37,13 +39,46 @@ export class UnwrappedMap {
 
   /** CSS pixels per radius, horizontally. */
   get scale(): number {
-    return this.box.width / TURN;
+    return this.box.width / TURN / this.surface.widest;
   }
 
-  fit(width: number, height: number, length: number, ratio: number): void {
+  /** The share of the box's width that a row takes. */
+  private wide(z: number): number {
+    const { surface } = this;
+    return surface.closed ? Math.max(0, Math.abs(surface.radius(z))) / surface.widest : 1;
+  }
+
+  /** The pixel of a share of the way around, which may be beyond 0 or 1, and of the length, from the top. */
+  private readonly place = (across: number, down: number): [number, number] => {
+    const { box } = this;
+    const x = this.surface.closed ? 0.5 + (across - 0.5) * this.wide((1 - down) * this.surface.length) : across;
+    return [box.x + x * box.width, box.y + down * box.height];
+  };
+
+  /** The edge of the cell as a path. */
+  private outline(): Path2D {
+    const { box, surface } = this;
+    const path = new Path2D();
+    if (!surface.closed) {
+      path.rect(box.x, box.y, box.width, box.height);
+      return path;
+    }
+    const steps = 160;
+    for (let k = 0; k <= 2 * steps; k++) {
+      const down = k <= steps ? k / steps : 2 - k / steps;
+      const [x, y] = this.place(k <= steps ? 0 : 1, down);
+      if (k === 0) path.moveTo(x, y);
+      else path.lineTo(x, y);
+    }
+    path.closePath();
+    return path;
+  }
+
+  fit(width: number, height: number, surface: Surface, ratio: number): void {
+    const { length } = surface;
     this.width = width;
     this.height = height;
-    this.length = length;
+    this.surface = surface;
     this.ratio = ratio;
     for (const canvas of [this.still, this.moving]) {
       const [w, h] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
@@ -67,9 +102,11 @@ export class UnwrappedMap {
     const { box } = this;
     const across = (x - box.x) / box.width;
     const up = 1 - (y - box.y) / box.height;
-    if (strict && (across < 0 || across >= 1 || up < 0 || up >= 1)) return null;
     const inside = (v: number): number => Math.min(1 - 1e-6, Math.max(0, v));
-    return [inside(across) * TURN, inside(up) * this.length];
+    const wide = Math.max(this.wide(inside(up) * this.surface.length), 1e-6);
+    const around = 0.5 + (across - 0.5) / wide;
+    if (strict && (around < 0 || around >= 1 || up < 0 || up >= 1)) return null;
+    return [inside(around) * TURN, inside(up) * this.surface.length];
   }
 
   layStreamlines(fields: Fields): void {
@@ -86,38 +123,46 @@ export class UnwrappedMap {
     if (!fields.empty) {
       this.raster.draw(fields, mixing);
       context.save();
-      context.beginPath();
-      context.rect(box.x, box.y, box.width, box.height);
-      context.clip();
+      context.clip(this.outline());
       context.imageSmoothingEnabled = true;
       context.imageSmoothingQuality = 'high';
       context.drawImage(this.raster.canvas, box.x, box.y, box.width, box.height);
       this.drawLines(context);
       context.lineWidth = 2.5;
-      this.raster.stroke(context, box.x, box.y, box.width, box.height, this.zone);
+      this.raster.stroke(context, this.place, this.zone);
       context.restore();
     }
     this.drawAxes(context);
   }
 
   private drawLines(context: CanvasRenderingContext2D): void {
-    const { lines, box } = this;
-    const sx = box.width / TURN;
-    const sy = box.height / this.length;
+    const { lines, surface } = this;
+    const flat: Place[] = Array.from({ length: POINTS }, () => [0, 0]);
     context.beginPath();
     for (let n = 0; n < lines.count; n++) {
       const first = 2 * POINTS * n;
       const broad = 0.35 + 1.0 * lines.speed[n];
       let [low, high, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity];
+      let torn = false;
       for (let k = 0; k < POINTS; k++) {
-        const [x, y] = [lines.points[first + 2 * k], lines.points[first + 2 * k + 1]];
+        let [x, y] = [lines.points[first + 2 * k], lines.points[first + 2 * k + 1]];
+        if (surface.closed) {
+          const before = k ? flat[k - 1][0] : x;
+          [x, y] = surface.within(x, y);
+          x = k ? nearest(before, x, TURN) : x;
+          // Lines that turn about a pole cannot be drawn on the map.
+          torn ||= Math.abs(x - before) > 1;
+        }
+        flat[k][0] = x;
+        flat[k][1] = y;
         [low, high] = [Math.min(low, x), Math.max(high, x)];
         [bottom, top] = [Math.min(bottom, y), Math.max(top, y)];
       }
+      if (torn) continue;
       // Copies across the seams.
       for (let i = low < 0 ? 1 : 0; i >= (high >= TURN ? -1 : 0); i--) {
-        for (let j = bottom < 0 ? 1 : 0; j >= (top >= this.length ? -1 : 0); j--) {
-          this.taper(context, first, broad, box.x + i * box.width, box.y + box.height - j * box.height, sx, sy);
+        for (let j = bottom < 0 ? 1 : 0; j >= (top >= surface.length ? -1 : 0); j--) {
+          this.taper(context, flat.map(([x, y]) => this.place(x / TURN + i, 1 - y / surface.length - j)), broad);
         }
       }
     }
@@ -126,18 +171,17 @@ export class UnwrappedMap {
   }
 
   /** Add the outline of a line that thickens downstream: up one side, down the other. */
-  private taper(context: CanvasRenderingContext2D, first: number, broad: number, x: number, y: number, sx: number, sy: number): void {
-    const { points } = this.lines;
+  private taper(context: CanvasRenderingContext2D, line: Place[], broad: number): void {
     const last = POINTS - 1;
     for (let m = 0; m < 2 * POINTS; m++) {
       const k = m < POINTS ? m : 2 * POINTS - 1 - m;
-      const from = first + 2 * Math.max(0, k - 1);
-      const to = first + 2 * Math.min(last, k + 1);
-      const dx = (points[to] - points[from]) * sx;
-      const dy = (points[to + 1] - points[from + 1]) * sy;
+      const from = line[Math.max(0, k - 1)];
+      const to = line[Math.min(last, k + 1)];
+      const dx = to[0] - from[0];
+      const dy = from[1] - to[1];
       const side = ((m < POINTS ? 1 : -1) * broad * (0.15 + (0.85 * k) / last)) / (Math.hypot(dx, dy) || 1);
-      const px = x + points[first + 2 * k] * sx + dy * side;
-      const py = y - points[first + 2 * k + 1] * sy + dx * side;
+      const px = line[k][0] + dy * side;
+      const py = line[k][1] + dx * side;
       if (m === 0) context.moveTo(px, py);
       else context.lineTo(px, py);
     }
@@ -145,12 +189,14 @@ export class UnwrappedMap {
   }
 
   private drawAxes(context: CanvasRenderingContext2D): void {
-    const { box, length } = this;
+    const { box } = this;
+    const { closed, length } = this.surface;
     const style = getComputedStyle(this.still);
     context.strokeStyle = context.fillStyle = style.color;
     context.lineWidth = 1;
     context.globalAlpha = 0.75;
-    context.strokeRect(box.x - 0.5, box.y - 0.5, box.width + 1, box.height + 1);
+    if (closed) context.stroke(this.outline());
+    else context.strokeRect(box.x - 0.5, box.y - 0.5, box.width + 1, box.height + 1);
     const bottom = box.y + box.height;
     context.beginPath();
     for (const share of [0, 0.5, 1]) {
@@ -170,38 +216,25 @@ export class UnwrappedMap {
     context.fillText('0', box.x - 8, bottom - 3);
     context.fillText(String(Number(length.toFixed(1))), box.x - 8, box.y + 5);
     context.font = `italic 15px ${SERIF}`;
-    context.fillText('z', box.x - 10, box.y + 0.5 * box.height);
+    context.fillText(closed ? 's' : 'z', box.x - 10, box.y + 0.5 * box.height);
     context.textAlign = 'center';
     context.textBaseline = 'top';
     context.fillText('θ', box.x + 0.25 * box.width, bottom + 6);
   }
 
   /** Particles, the brush, and a mark at the angle that faces the viewer of the cylinder. */
-  drawMoving(fields: Fields, mark: BrushMark, turn: number): void {
+  drawMoving(fields: Fields, mark: BrushMark, turn: number, defects: Defect[]): void {
     const context = this.moving.getContext('2d', { willReadFrequently: true })!;
     const { box, ratio } = this;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, this.width, this.height);
     if (fields.empty) return;
     context.save();
-    context.beginPath();
-    context.rect(box.x, box.y, box.width, box.height);
-    context.clip();
+    context.clip(this.outline());
     this.drawTrails(context);
-    if (mark.shown) {
-      for (let copy = 0; copy < 9; copy++) {
-        const x = box.x + (mark.theta / TURN + (copy % 3) - 1) * box.width;
-        const y = box.y + (1 - mark.z / this.length + Math.floor(copy / 3) - 1) * box.height;
-        context.beginPath();
-        context.ellipse(x, y, mark.radius * this.scale, (mark.radius * box.height) / this.length, 0, 0, TURN);
-        context.fillStyle = 'rgba(255, 255, 255, 0.14)';
-        context.fill();
-        context.lineWidth = 1.5;
-        context.strokeStyle = 'rgba(255, 255, 255, 0.95)';
-        context.stroke();
-      }
-    }
+    if (mark.shown) this.drawBrush(context, mark);
     context.restore();
+    for (const [index, theta, s] of defects) drawDefect(context, ...this.place(theta / TURN, 1 - s / this.surface.length), index);
     const x = box.x + (turn / TURN) * box.width;
     const y = box.y + box.height + 2;
     context.beginPath();
@@ -212,12 +245,34 @@ export class UnwrappedMap {
     context.fill();
   }
 
+  private drawBrush(context: CanvasRenderingContext2D, mark: BrushMark): void {
+    const { surface } = this;
+    const edge = surface.edge([mark.theta, mark.z], mark.radius, 72).map(([theta, s]): Place => [nearest(mark.theta, theta, TURN), s]);
+    const torn = edge.some(([theta], k) => k > 0 && Math.abs(theta - edge[k - 1][0]) > Math.PI);
+    const ups = surface.closed ? [0] : [-1, 0, 1];
+    context.fillStyle = 'rgba(255, 255, 255, 0.14)';
+    context.strokeStyle = 'rgba(255, 255, 255, 0.95)';
+    context.lineWidth = 1.5;
+    for (const i of [-1, 0, 1]) {
+      for (const j of ups) {
+        context.beginPath();
+        edge.concat([edge[0]]).forEach(([theta, s], k, all) => {
+          const at = this.place(theta / TURN + i, 1 - s / surface.length - j);
+          // Around a pole the edge runs over the seam: there it begins again.
+          if (k === 0 || Math.abs(theta - all[k - 1][0]) > Math.PI) context.moveTo(...at);
+          else context.lineTo(...at);
+        });
+        if (!torn) context.fill();
+        context.stroke();
+      }
+    }
+  }
+
   private drawTrails(context: CanvasRenderingContext2D): void {
-    const { box } = this;
+    const { surface } = this;
     const { data, count, phase } = this.particles;
-    const sx = box.width / TURN;
-    const sy = box.height / this.length;
-    const base = box.y + box.height;
+    const { closed, length } = surface;
+    const { x: left, y: above, width, height } = this.box;
     const row = 4 * count;
     context.strokeStyle = '#fff';
     context.lineCap = 'butt';
@@ -229,11 +284,20 @@ export class UnwrappedMap {
         for (let p = 0; p < row; p += 4) {
           const opacity = data[p + 2];
           if (opacity < dim || opacity >= bright || data[p + 3] < 0.02) continue;
+          let before = 0;
           for (let k = from, q = p + from * row; k <= to; k++, q += row) {
-            const x = box.x + data[q] * sx;
-            const y = base - data[q + 1] * sy;
-            if (k === from) context.moveTo(x, y);
+            let [theta, s] = [data[q], data[q + 1]];
+            let wide = 1;
+            if (closed) {
+              [theta, s] = surface.within(theta, s);
+              wide = this.wide(s);
+            }
+            const x = left + (0.5 + (theta / TURN - 0.5) * wide) * width;
+            const y = above + (1 - s / length) * height;
+            // On a closed cell a trail over a seam or a pole comes back elsewhere.
+            if (k === from || (closed && Math.abs(x - before) > 0.2 * width)) context.moveTo(x, y);
             else context.lineTo(x, y);
+            before = x;
           }
         }
         const along = 1 - (part + 0.25 * phase) / parts.length;
@@ -244,4 +308,27 @@ export class UnwrappedMap {
     }
     context.globalAlpha = 1;
   }
+}
+
+/** A defect of P: a plus in a white disc, or a minus in a dark one. */
+function drawDefect(context: CanvasRenderingContext2D, x: number, y: number, index: number): void {
+  const [face, line] = index > 0 ? ['#fff', '#1b1720'] : ['#1b1720', '#fff'];
+  const size = 5;
+  context.beginPath();
+  context.arc(x, y, size, 0, TURN);
+  context.fillStyle = face;
+  context.strokeStyle = '#1b1720';
+  context.lineWidth = 1;
+  context.fill();
+  context.stroke();
+  context.beginPath();
+  context.moveTo(x - 0.55 * size, y);
+  context.lineTo(x + 0.55 * size, y);
+  if (index > 0) {
+    context.moveTo(x, y - 0.55 * size);
+    context.lineTo(x, y + 0.55 * size);
+  }
+  context.strokeStyle = line;
+  context.lineWidth = 1.4;
+  context.stroke();
 }

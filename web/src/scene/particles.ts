@@ -2,6 +2,7 @@
 
 import type { Fields } from './fields';
 import { flowAt } from './interpolate';
+import type { Place, Surface } from './surface';
 
 /** Positions in a trail, the head included, and seconds between them. */
 export const TRAIL = 9;
@@ -27,8 +28,8 @@ export class Particles {
   private readonly age: Float32Array;
   private readonly life: Float32Array;
   private readonly pace: number;
-  private readonly velocity: [number, number] = [0, 0];
-  private length = 0;
+  private readonly next: Place = [0, 0];
+  private surface: Surface | null = null;
 
   constructor(
     calm: boolean,
@@ -43,8 +44,8 @@ export class Particles {
   }
 
   /** Spread all particles over a cell; ages differ, so that they do not all fade at once. */
-  scatter(length: number): void {
-    this.length = length;
+  scatter(surface: Surface): void {
+    this.surface = surface;
     for (let n = 0; n < this.count; n++) {
       this.renew(n);
       this.age[n] = this.random() * this.life[n];
@@ -53,16 +54,22 @@ export class Particles {
 
   /** Move by `dt` seconds of real time in the flow as last blended. */
   step(fields: Fields, dt: number): void {
-    if (fields.length !== this.length) this.scatter(fields.length);
+    const { surface } = fields;
+    if (surface !== this.surface) this.scatter(surface);
     const reference = Math.max(fields.peak, SLOWS_BELOW * fields.largest);
-    const scale = reference > 1e-12 ? (this.pace * Math.max(1, fields.length / LONG)) / reference : 0;
+    const scale = reference > 1e-12 ? (this.pace * Math.max(1, surface.length / LONG)) / reference : 0;
     this.phase += dt / BETWEEN;
     if (this.phase >= 1) {
       this.data.copyWithin(4 * this.count, 0, 4 * this.count * (TRAIL - 1));
       this.phase %= 1;
     }
-    const { data, age, life, velocity, length } = this;
-    const { flow, n_theta, n_z } = fields;
+    const { data, age, life, next } = this;
+    const { flow, n_theta, n_z, length } = fields;
+    let speed2 = 0; // of the last place asked for
+    const at = (theta: number, z: number, out: Place): void => {
+      flowAt(flow, n_theta, n_z, length, theta, z, out);
+      speed2 = out[0] * out[0] + out[1] * out[1];
+    };
     const move = scale * dt;
     for (let n = 0, p = 0; n < this.count; n++, p += 4) {
       age[n] += dt;
@@ -72,13 +79,11 @@ export class Particles {
       }
       const theta = data[p];
       const z = data[p + 1];
-      flowAt(flow, n_theta, n_z, length, theta, z, velocity);
-      // Midpoint rule: circles stay circles.
-      flowAt(flow, n_theta, n_z, length, theta + 0.5 * move * velocity[0], z + 0.5 * move * velocity[1], velocity);
-      data[p] = theta + move * velocity[0];
-      data[p + 1] = z + move * velocity[1];
+      surface.carry(theta, z, at, move, next);
+      data[p] = next[0];
+      data[p + 1] = next[1];
       data[p + 2] = Math.min(1, age[n] / FADE, (life[n] - age[n]) / FADE);
-      data[p + 3] = reference > 0 ? Math.min(1, Math.hypot(velocity[0], velocity[1]) / reference) : 0;
+      data[p + 3] = reference > 0 ? Math.min(1, Math.sqrt(speed2) / reference) : 0;
       if (data[p] < 0 || data[p] >= TURN) this.shift(p, 0, data[p] < 0 ? TURN : -TURN);
       if (data[p + 1] < 0 || data[p + 1] >= length) this.shift(p, 1, data[p + 1] < 0 ? length : -length);
     }
@@ -92,7 +97,11 @@ export class Particles {
     this.age[n] = 0;
     this.life[n] = 3 + 3 * this.random();
     const theta = this.random() * TURN;
-    const z = this.random() * this.length;
+    const { surface } = this;
+    if (!surface) return;
+    let z = this.random() * surface.period;
+    // Evenly over the surface: fewer where circles around the cell are short.
+    while (surface.closed && this.random() * surface.widest > Math.abs(surface.radius(z))) z = this.random() * surface.period;
     for (let k = 0, p = 4 * n; k < TRAIL; k++, p += 4 * this.count) {
       this.data[p] = theta;
       this.data[p + 1] = z;

@@ -29,26 +29,47 @@ export class Raster {
     this.colours = new Uint32Array(paletteTable(palette, COLOURS).buffer);
   }
 
+  /** Draw the colours as they are laid out on the map: every row of a closed cell as wide as the circle there. */
   draw(fields: Fields, mixing: number): void {
-    const { n_theta, n_z } = fields;
-    if (this.enlarger?.n_theta !== n_theta || this.enlarger.n_z !== n_z) this.resize(n_theta, n_z);
+    const { n_theta, n_z, surface } = fields;
+    const share = surface.closed ? 0.5 : 1;
+    const { enlarger } = this;
+    if (enlarger?.n_theta !== n_theta || enlarger.n_z !== n_z || enlarger.share !== share) this.resize(n_theta, n_z, share);
     const { P_z, contrast, colours, bytes, canvas } = this;
+    const { width, height } = canvas;
     this.enlarger!.enlarge(fields.order, 0, mixing, P_z);
     this.enlarger!.enlarge(fields.order, 1, mixing, contrast);
     const half = (COLOURS - 1) / 2;
-    for (let q = 0; q < bytes.length; q++) {
-      const k = (half * (1 + P_z[q]) + 0.5) | 0;
-      bytes[q] = colours[k < 0 ? 0 : k >= COLOURS ? COLOURS - 1 : k];
+    const colour = (value: number): number => {
+      const k = (half * (1 + value) + 0.5) | 0;
+      return colours[k < 0 ? 0 : k >= COLOURS ? COLOURS - 1 : k];
+    };
+    for (let row = 0, q = 0; row < height; row++) {
+      const wide = surface.closed ? surface.radius((1 - (row + 0.5) / height) * surface.length) / surface.widest : 1;
+      if (wide >= 1) {
+        for (const end = q + width; q < end; q++) bytes[q] = colour(P_z[q]);
+        continue;
+      }
+      const first = row * width;
+      for (let k = 0; k < width; k++, q++) {
+        // Beyond the outline the nearest colour; it is cut off there.
+        const x = Math.min(width - 1, Math.max(0, ((k + 0.5) / width - 0.5) * (width / wide) + 0.5 * width - 0.5));
+        const low = Math.min(width - 2, Math.floor(x));
+        const value = P_z[first + low];
+        bytes[q] = colour(value + (x - low) * (P_z[first + low + 1] - value));
+      }
     }
     this.context.putImageData(this.image!, 0, 0);
-    zeroLines(P_z, canvas.width, canvas.height, contrast, FAINT, this.zones);
+    zeroLines(P_z, width, height, contrast, FAINT, this.zones, surface.closed);
   }
 
-  /** Draw the zone lines into a box; pieces across a seam are drawn on both sides of it. */
-  stroke(target: CanvasRenderingContext2D, x: number, y: number, width: number, height: number, colour: string): void {
+  /**
+   * Draw the zone lines; pieces across a seam are drawn on both sides of it. `place` gives the pixels of a share of the
+   * way around and of the length, from the top.
+   */
+  stroke(target: CanvasRenderingContext2D, place: (across: number, down: number) => [number, number], colour: string): void {
     const { zones, canvas } = this;
-    const sx = width / canvas.width;
-    const sy = height / canvas.height;
+    const [sx, sy] = [1 / canvas.width, 1 / canvas.height];
     target.strokeStyle = colour;
     target.lineCap = 'round';
     const levels = 3;
@@ -63,10 +84,10 @@ export class Raster {
         const below = Math.max(y0, y1) > canvas.height - 1;
         for (let copy = 0; copy < 4; copy++) {
           if (((copy & 1) !== 0 && !again) || ((copy & 2) !== 0 && !below)) continue;
-          const dx = x + (0.5 - (copy & 1) * canvas.width) * sx;
-          const dy = y + (0.5 - (copy >> 1) * canvas.height) * sy;
-          target.moveTo(dx + x0 * sx, dy + y0 * sy);
-          target.lineTo(dx + x1 * sx, dy + y1 * sy);
+          const dx = 0.5 - (copy & 1) * canvas.width;
+          const dy = 0.5 - (copy >> 1) * canvas.height;
+          target.moveTo(...place((x0 + dx) * sx, (y0 + dy) * sy));
+          target.lineTo(...place((x1 + dx) * sx, (y1 + dy) * sy));
         }
       }
       target.globalAlpha = level / levels;
@@ -75,15 +96,15 @@ export class Raster {
     target.globalAlpha = 1;
   }
 
-  private resize(n_theta: number, n_z: number): void {
+  private resize(n_theta: number, n_z: number, share: number): void {
     const width = Math.min(LARGEST, 4 * n_theta);
-    const height = Math.min(LARGEST, 4 * n_z);
+    const height = Math.min(LARGEST, 4 * n_z * share);
     this.canvas.width = width;
     this.canvas.height = height;
     this.image = this.context.createImageData(width, height);
     this.bytes = new Uint32Array(this.image.data.buffer);
     this.P_z = new Float32Array(width * height);
     this.contrast = new Float32Array(width * height);
-    this.enlarger = new Enlarger(n_theta, n_z, width, height);
+    this.enlarger = new Enlarger(n_theta, n_z, width, height, share);
   }
 }

@@ -1,6 +1,6 @@
 // The picture of the cell: the cylinder and the unwrapped map, drawn from the frames of the server.
 
-import type { Frame, Inside, Palette } from '../protocol';
+import type { Defect, Frame, Inside, Outline, Palette } from '../protocol';
 import { Control, type Tool } from './control';
 import { Cylinder } from './cylinder';
 import { Fields } from './fields';
@@ -8,6 +8,7 @@ import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
 import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
+import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
 import { View } from './view';
 
@@ -44,6 +45,9 @@ export class Scene {
 
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
+  private outline: Outline | null = null;
+  private surface: Surface = surfaceOf(null, 5);
+  private defects: Defect[] = [];
   private readonly view = new View();
   private readonly particles: Particles;
   private readonly tracers = new Tracers();
@@ -82,7 +86,7 @@ export class Scene {
     label(this.canvas, `The cell as a cylinder. ${KEYS}`);
     label(
       this.map.moving,
-      'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cylinder.',
+      'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cell.',
     );
     this.map.still.setAttribute('aria-hidden', 'true');
     place(options.cylinder, this.canvas);
@@ -125,10 +129,16 @@ export class Scene {
     return { tracers: few ? FEW_INSIDE : MANY_INSIDE, pace: this.calm ? CALM * PACE : PACE };
   }
 
+  private label(): void {
+    const { open } = this.view;
+    const shape = this.outline ? 'The closed cell' : `The cell as a cylinder${open ? ', opened, with the flow inside' : ''}`;
+    this.canvas.setAttribute('aria-label', `${shape}. ${KEYS}`);
+  }
+
   /** Take the front of the cylinder away, or close it. */
   setOpen(open: boolean): void {
-    this.view.open = open && this.opens;
-    this.canvas.setAttribute('aria-label', `The cell as a cylinder${open ? ', opened, with the flow inside' : ''}. ${KEYS}`);
+    this.view.open = open && this.opens && !this.outline;
+    this.label();
     if (!open) this.tracers.clear();
     this.dirty = true;
   }
@@ -156,18 +166,18 @@ export class Scene {
   }
 
   show(frame: Frame): void {
-    const { length } = this.fields;
     const first = this.fields.empty;
     if (this.fields.hurried) this.waits = 0;
-    this.fields.take(frame, performance.now());
-    if (first || frame.length !== length) {
-      this.view.length = frame.length;
-      this.view.hold();
-      this.particles.scatter(frame.length);
+    if (first || frame.length !== this.surface.length) {
+      const surface = (this.surface = surfaceOf(this.outline, frame.length));
+      this.view.surface = surface;
+      this.particles.scatter(surface);
       this.control.mark.z = Math.min(this.control.mark.z, 0.5 * frame.length);
       this.linesAt = 0;
       this.resize();
     }
+    this.fields.take(frame, this.surface, performance.now());
+    this.defects = frame.regime?.defects ?? [];
     this.dirty = true;
   }
 
@@ -187,7 +197,12 @@ export class Scene {
     this.control.setTool(tool, radius);
   }
 
-  clear(): void {
+  /** Another cell will be shown, of this meridian if it is closed. */
+  clear(outline: Outline | null): void {
+    this.outline = outline;
+    if (outline) this.view.open = false;
+    this.defects = [];
+    this.label();
     this.fields.clear();
     this.lastShown = -1;
     this.tracers.clear();
@@ -218,7 +233,7 @@ export class Scene {
     this.view.width = Math.max(1, cylinder.clientWidth);
     this.view.height = Math.max(1, cylinder.clientHeight);
     this.view.hold();
-    this.map.fit(map.clientWidth, map.clientHeight, this.view.length, this.quality.ratio);
+    this.map.fit(map.clientWidth, map.clientHeight, this.surface, this.quality.ratio);
     this.stale = this.dirty = true;
   }
 
@@ -257,9 +272,9 @@ export class Scene {
       this.mapped = { at: now, version: fields.version, mixing };
       this.stale = false;
     }
-    map.drawMoving(fields, control.mark, view.turn);
+    map.drawMoving(fields, control.mark, view.turn, this.defects);
     this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
-    if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.quality.ratio);
+    if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, this.quality.ratio);
   }
 }
 

@@ -2,17 +2,30 @@
 
 import { FAINT, PLAIN } from './contrast';
 
+/** Steps of the meridian of a closed cell, as the server sends it. */
+export const STEPS = 96;
+
 export const surfaceVertex = /* glsl */ `
-in vec2 place; // theta, and height from 0 to 1
+in vec2 place; // theta, and share of the length
+in vec4 skin;  // radius, height, and the normal outwards and upwards
+in vec2 bend;  // the curvatures around the axis and along the meridian
 uniform mat4 toScreen;
 uniform float turn;
-uniform float cell;
+uniform float span;
+uniform vec3 eye;
 out vec2 at;
 out vec3 outward;
+out vec3 body;
+out float curved; // in the direction of the view
 void main() {
-  at = vec2(place.x, place.y * cell);
-  outward = vec3(sin(place.x - turn), 0.0, cos(place.x - turn));
-  gl_Position = toScreen * vec4(outward.x, (place.y - 0.5) * cell, outward.z, 1.0);
+  at = vec2(place.x, place.y * span);
+  vec2 way = vec2(sin(place.x - turn), cos(place.x - turn));
+  outward = vec3(skin.z * way.x, skin.w, skin.z * way.y);
+  body = vec3(skin.x * way.x, skin.y, skin.x * way.y);
+  float around = dot(vec3(way.y, 0.0, -way.x), eye);
+  float along = dot(vec3(-skin.w * way.x, skin.z, -skin.w * way.y), eye);
+  curved = (bend.x * around * around + bend.y * along * along) / max(around * around + along * along, 1e-4);
+  gl_Position = toScreen * vec4(body, 1.0);
 }`;
 
 export const surfaceFragment = /* glsl */ `
@@ -22,7 +35,11 @@ precision highp sampler2D;
 uniform sampler2D order;   // P_z and its contrast before; both now
 uniform sampler2D colours;
 uniform ivec2 size;        // n_z, n_theta
-uniform float cell;
+uniform float cell;        // the period along the chart
+uniform float closed;      // 1 for a closed surface
+uniform float axial;       // 0 on a sphere
+uniform vec3 eye;          // towards the viewer, or horizontally so for the cylinder
+uniform vec3 middle;       // of the brush on a closed surface, as body
 uniform float mixing;
 uniform float radius;      // device pixels of the cylinder's radius
 uniform float pixel;       // device pixels of a CSS pixel
@@ -34,6 +51,8 @@ uniform float inner;       // 1 if the wall is seen from inside
 uniform vec3 paper;
 in vec2 at;
 in vec3 outward;
+in vec3 body;
+in float curved;
 out vec4 colour;
 
 vec4 cubic(float t) {
@@ -65,10 +84,11 @@ vec2 value(vec2 where) {
 
 void main() {
   vec2 P = value(at);
-  float facing = max(inner > 0.5 ? -outward.z : outward.z, 0.0);
+  float slant = dot(outward, eye);
+  float facing = max(inner > 0.5 ? -slant : slant, 0.0);
   vec3 base = texture(colours, vec2(0.5 + 0.5 * clamp(P.x, -1.0, 1.0), 0.5)).rgb;
   float light = 0.50 + 0.50 * pow(facing, 0.55);
-  float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34));
+  float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34) - 3.0 * outward.y * outward.y);
   colour = vec4(base * light + 0.045 * gloss * (1.0 - inner), 1.0);
   // What is in front of it stands out.
   colour.rgb = mix(colour.rgb, paper, 0.6 * inner);
@@ -81,7 +101,8 @@ void main() {
 
   vec2 off = at - brush.xy;
   off = vec2(off.x - 6.283185307179586 * round(off.x / 6.283185307179586), off.y - cell * round(off.y / cell));
-  float distance = length(off);
+  // On a closed surface a distance is straight through space, as that of a region.
+  float distance = closed > 0.5 ? length(body - middle) : length(off);
   // Not fwidth, which would show the seam.
   float across = 1.0 / (radius * max(facing, 0.15));
   float ring = 1.0 - smoothstep(0.5 * pixel, 0.5 * pixel + 1.2, abs(distance - brush.z) / across);
@@ -91,7 +112,16 @@ void main() {
   // Outline, drawn inwards so that it needs no multisampling.
   float side = radius * (1.0 - abs(outward.x));
   float end = min(at.y, cell - at.y) * radius * cos(tilt);
-  colour.rgb = mix(ink, colour.rgb, smoothstep(0.0, 1.4 * pixel, min(side, end)));
+  if (closed > 0.5) {
+    // The distance to the silhouette, where the surface is as curved as a circle seen from the side. The outermost
+    // pixel is transparent, so that a round edge needs no multisampling either.
+    float edge = radius * (1.0 - sqrt(max(1.0 - slant * slant, 0.0))) / max(curved, 0.02);
+    colour.rgb = mix(ink, colour.rgb, smoothstep(0.8 * pixel, 2.2 * pixel, edge));
+    colour.a = smoothstep(0.0, 1.2, edge);
+    colour.rgb *= colour.a;
+  } else {
+    colour.rgb = mix(ink, colour.rgb, smoothstep(0.0, 1.4 * pixel, min(side, end)));
+  }
 }`;
 
 export const endVertex = /* glsl */ `
@@ -132,6 +162,9 @@ in vec4 behind;
 uniform mat4 toScreen;
 uniform float turn;
 uniform float cell;
+uniform float closed;
+uniform vec3 eye;
+uniform vec4 profile[${STEPS + 1}];
 uniform float phase;
 uniform float rows;
 uniform float width;
@@ -139,26 +172,40 @@ uniform vec2 screen; // device pixels
 out float opacity;
 out float height;
 
-vec3 onSurface(vec2 p) {
-  return vec3(1.004 * sin(p.x - turn), p.y - 0.5 * cell, 1.004 * cos(p.x - turn));
+vec3 onSurface(vec2 p, out vec3 normal) {
+  vec2 way = vec2(sin(p.x - turn), cos(p.x - turn));
+  if (closed < 0.5) {
+    normal = vec3(way.x, 0.0, way.y);
+    return vec3(1.004 * way.x, p.y - 0.5 * cell, 1.004 * way.y);
+  }
+  // The chart of a closed surface goes on behind the poles.
+  float y = mod(p.y, cell) / cell * ${(2 * STEPS).toFixed(1)};
+  if (y > ${STEPS.toFixed(1)}) {
+    y = ${(2 * STEPS).toFixed(1)} - y;
+    way = -way;
+  }
+  int k = min(int(y), ${STEPS - 1});
+  vec4 skin = mix(profile[k], profile[k + 1], y - float(k));
+  normal = vec3(skin.z * way.x, skin.w, skin.z * way.y);
+  return 1.004 * vec3(skin.x * way.x, skin.y, skin.x * way.y);
 }
 
 void main() {
-  vec3 surface = onSurface(here.xy);
-  vec4 point = toScreen * vec4(surface, 1.0);
+  vec3 normal, other;
+  vec4 point = toScreen * vec4(onSurface(here.xy, normal), 1.0);
   bool first = place.x < 0.5;
   bool last = place.x > rows - 1.5;
-  vec2 a = (toScreen * vec4(onSurface(first ? here.xy : ahead.xy), 1.0)).xy;
-  vec2 b = (toScreen * vec4(onSurface(last ? here.xy : behind.xy), 1.0)).xy;
+  vec2 a = (toScreen * vec4(onSurface(first ? here.xy : ahead.xy, other), 1.0)).xy;
+  vec2 b = (toScreen * vec4(onSurface(last ? here.xy : behind.xy, other), 1.0)).xy;
   vec2 way = (a - b) * screen;
   float size = length(way);
   way = size > 1e-3 ? way / size : vec2(0.0, 1.0);
   float along = first ? 1.0 : max(1.0 - (place.x - 1.0 + phase) / (rows - 1.0), 0.0);
-  float facing = surface.z;
+  float facing = dot(normal, eye);
   float half_width = 0.5 * width * (0.25 + 0.75 * along);
   point.xy += vec2(-way.y, way.x) * place.y * 2.0 * half_width / screen;
   gl_Position = point;
-  height = here.y;
+  height = closed < 0.5 ? here.y : 0.0;
   opacity = here.z * pow(along, 1.5) * smoothstep(0.0, 0.45, facing) * (0.25 + 0.75 * smoothstep(0.0, 0.35, here.w));
 }`;
 
@@ -172,4 +219,48 @@ out vec4 colour;
 void main() {
   if (height < 0.0 || height > cell) discard;
   colour = vec4(tint, 0.85 * opacity);
+}`;
+
+
+export const markVertex = /* glsl */ `
+in vec2 corner;
+in vec3 skin;   // theta, radius, height
+in vec3 kind;   // the normal outwards and upwards, and the index
+uniform mat4 toScreen;
+uniform float turn;
+uniform float size;   // device pixels
+uniform vec2 screen;
+uniform vec3 eye;
+out vec2 disc;
+out float index;
+out float front;
+void main() {
+  vec2 way = vec2(sin(skin.x - turn), cos(skin.x - turn));
+  front = dot(vec3(kind.x * way.x, kind.y, kind.x * way.y), eye);
+  gl_Position = toScreen * vec4(skin.y * way.x, skin.z, skin.y * way.y, 1.0);
+  gl_Position.xy += corner * 2.0 * size / screen;
+  disc = corner;
+  index = kind.z;
+}`;
+
+export const markFragment = /* glsl */ `
+precision highp float;
+uniform float size;
+uniform vec3 dark;
+in vec2 disc;
+in float index;
+in float front;
+out vec4 colour;
+void main() {
+  if (front <= 0.0) discard;
+  float soft = 1.0 / size;
+  float r = length(disc);
+  vec3 face = index > 0.0 ? vec3(1.0) : dark;
+  vec3 line = index > 0.0 ? dark : vec3(1.0);
+  vec2 d = abs(disc);
+  float bar = max(d.x / 0.5, d.y / 0.13);
+  if (index > 0.0) bar = min(bar, max(d.y / 0.5, d.x / 0.13));
+  vec3 tint = mix(line, face, smoothstep(0.9, 1.1 + soft, bar));
+  tint = mix(tint, dark, smoothstep(0.8 - soft, 0.8, r));
+  colour = vec4(tint, 1.0 - smoothstep(1.0 - soft, 1.0, r));
 }`;

@@ -2,6 +2,7 @@
 
 import type { Fields } from './fields';
 import { flowAt } from './interpolate';
+import type { Place, Velocity } from './surface';
 
 /** Points of one line. */
 export const POINTS = 13;
@@ -24,29 +25,43 @@ export class Streamlines {
    * bend with the flow rather than jump.
    */
   lay(fields: Fields, spacing: number): void {
-    const { length, peak } = fields;
+    const { peak, surface } = fields;
+    const { length } = surface;
     this.count = 0;
     if (fields.empty || !(peak > 1e-12)) return;
     const columns = Math.max(8, Math.round((4 * Math.PI) / spacing));
     const rows = Math.max(4, Math.round((2 * length) / spacing));
     if (this.taken.length !== columns * rows) this.taken = new Uint8Array(columns * rows);
     else this.taken.fill(0);
+    // On a closed cell squares of one width: fewer of them in short circles around it.
+    const wide = (j: number): number => Math.max(1, Math.round(columns * Math.abs(surface.radius(((j + 0.5) / rows) * length))));
+    const widths = Array.from({ length: rows }, (_, j) => (surface.closed ? Math.min(columns, wide(j)) : columns));
     const square = (theta: number, z: number): number => {
-      const i = Math.floor((theta / (2 * Math.PI)) * columns);
-      const j = Math.floor((z / length) * rows);
-      return (((i % columns) + columns) % columns) * rows + (((j % rows) + rows) % rows);
+      const [angle, s] = surface.within(theta, z);
+      const j = Math.min(rows - 1, Math.floor((s / length) * rows));
+      const i = Math.floor((angle / (2 * Math.PI)) * widths[j]);
+      return Math.min(i, widths[j] - 1) * rows + j;
     };
-    const velocity: [number, number] = [0, 0];
-    const tries = Math.min(3000, 2 * columns * rows);
+    const velocity: Place = [0, 0];
+    const { flow, n_theta, n_z, length: period } = fields;
+    // Lines are followed at one speed.
+    const along: Velocity = (theta, z, out) => {
+      flowAt(flow, n_theta, n_z, period, theta, z, out);
+      const size = Math.hypot(out[0], out[1]) || 1;
+      out[0] /= size;
+      out[1] /= size;
+    };
+    const tries = Math.min(3000, (surface.closed ? 3 : 2) * columns * rows);
     for (let n = 1; n <= tries && this.count < MOST; n++) {
       const theta = ((n * 0.7548776662466927) % 1) * 2 * Math.PI;
       const z = ((n * 0.5698402909980532) % 1) * length;
       if (this.taken[square(theta, z)]) continue;
-      flowAt(fields.flow, fields.n_theta, fields.n_z, length, theta, z, velocity);
+      if (surface.closed && Math.abs(surface.radius(z)) < ((n * 0.3819660112501051) % 1) * surface.widest) continue;
+      flowAt(flow, n_theta, n_z, period, theta, z, velocity);
       const speed = Math.hypot(velocity[0], velocity[1]) / peak;
       if (speed < SLOWEST) continue;
       const line = this.count;
-      this.trace(fields, line, theta, z, (spacing * (0.5 + 1.3 * Math.min(1, speed))) / (POINTS - 1), velocity);
+      this.trace(fields, line, [theta, z], (spacing * (0.5 + 1.3 * Math.min(1, speed))) / (POINTS - 1), along);
       this.speed[line] = Math.min(1, speed);
       const first = 2 * POINTS * line;
       let crowded = 0;
@@ -60,28 +75,23 @@ export class Streamlines {
         const [i, j] = [Math.floor(at / rows), at % rows];
         // The square and its neighbours on both sides are kept free of others.
         this.taken[at] = 1;
-        this.taken[((i + 1) % columns) * rows + j] = 1;
-        this.taken[((i + columns - 1) % columns) * rows + j] = 1;
+        this.taken[((i + 1) % widths[j]) * rows + j] = 1;
+        this.taken[((i + widths[j] - 1) % widths[j]) * rows + j] = 1;
       }
     }
   }
 
-  private trace(fields: Fields, line: number, theta: number, z: number, step: number, v: [number, number]): void {
-    const { flow, n_theta, n_z, length } = fields;
+  private trace({ surface }: Fields, line: number, start: Place, step: number, along: Velocity): void {
     const first = 2 * POINTS * line;
+    const next: Place = [0, 0];
     for (const way of [-1, 1]) {
-      let x = theta;
-      let y = z;
+      let [x, y] = start;
       for (let k = 0; k <= HALF; k++) {
         const at = first + 2 * (HALF + way * k);
         this.points[at] = x;
         this.points[at + 1] = y;
-        flowAt(flow, n_theta, n_z, length, x, y, v);
-        let size = Math.hypot(v[0], v[1]) || 1;
-        flowAt(flow, n_theta, n_z, length, x + (0.5 * way * step * v[0]) / size, y + (0.5 * way * step * v[1]) / size, v);
-        size = Math.hypot(v[0], v[1]) || 1;
-        x += (way * step * v[0]) / size;
-        y += (way * step * v[1]) / size;
+        surface.carry(x, y, along, way * step, next);
+        [x, y] = next;
       }
     }
   }

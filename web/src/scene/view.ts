@@ -1,11 +1,17 @@
-// The view of the cylinder: orthographic, turned, tilted and enlarged.
+// The view of the cell: orthographic, turned, tilted and enlarged.
+
+import { CylinderSurface, type Surface } from './surface';
 
 const TURN = 2 * Math.PI;
 const STEEPEST = 1.25;
+/** Of a closed cell the poles are seen from above. */
+const STEEPEST_CLOSED = 1.5;
 const CLOSEST = 40;
 /** Tilt of the closed cell at first, and of the opened one, so that the section in it is seen. */
 const USUAL = 0.2;
 const OPENED = 0.45;
+/** Tilt of a closed surface: enough to see its upper end. */
+const ENDS = 0.5;
 
 export class View {
   /** Angle theta that faces the viewer. */
@@ -19,7 +25,18 @@ export class View {
   centre = 0;
   width = 1;
   height = 1;
-  length = 5;
+  private shown: Surface = new CylinderSurface(5);
+
+  get surface(): Surface {
+    return this.shown;
+  }
+
+  set surface(surface: Surface) {
+    const another = surface.closed !== this.shown.closed;
+    this.shown = surface;
+    if (another) this.reset();
+    this.hold();
+  }
 
   get open(): boolean {
     return this.opened;
@@ -33,16 +50,26 @@ export class View {
     this.hold();
   }
 
+  /** How far the cell reaches up and down in the picture, in radii. */
+  private get rise(): number {
+    const { profile, half, closed } = this.shown;
+    const [cos, sin] = [Math.cos(this.tilt), Math.abs(Math.sin(this.tilt))];
+    if (!closed) return half * cos + sin;
+    let rise = 0;
+    for (let k = 0; k < profile.length; k += 4) rise = Math.max(rise, profile[k] * sin + profile[k + 1] * cos);
+    return rise;
+  }
+
   /** CSS pixels per radius. */
   get scale(): number {
-    const rise = 0.5 * this.length * Math.cos(this.tilt) + Math.abs(Math.sin(this.tilt));
-    return this.zoom * Math.min(this.width / 2.2, this.height / (2.08 * rise));
+    return this.zoom * Math.min(this.width / (2.2 * this.shown.widest), this.height / (2.08 * this.rise));
   }
 
   turnBy(dx: number, dy: number): void {
     const scale = this.scale;
     this.turn = (((this.turn - dx / Math.min(scale, 250)) % TURN) + TURN) % TURN;
-    this.tilt = Math.max(-STEEPEST, Math.min(STEEPEST, this.tilt + dy / 250));
+    const steepest = this.shown.closed ? STEEPEST_CLOSED : STEEPEST;
+    this.tilt = Math.max(-steepest, Math.min(steepest, this.tilt + dy / 250));
     this.hold();
   }
 
@@ -62,7 +89,7 @@ export class View {
 
   reset(): void {
     this.turn = Math.PI;
-    this.tilt = this.opened ? OPENED : USUAL;
+    this.tilt = this.shown.closed ? ENDS : this.opened ? OPENED : USUAL;
     this.zoom = 1;
     this.centre = 0;
   }
@@ -70,7 +97,7 @@ export class View {
   /** Keep the cell in the picture. */
   hold(): void {
     const half = this.height / 2 / this.scale / Math.cos(this.tilt);
-    const most = Math.max(0, this.length / 2 + 0.3 - half);
+    const most = Math.max(0, this.shown.half + 0.3 - half);
     this.centre = Math.max(-most, Math.min(most, this.centre));
   }
 
@@ -79,12 +106,7 @@ export class View {
     const scale = this.scale;
     const right = (x - this.width / 2) / scale;
     const up = (this.height / 2 - y) / scale;
-    if (Math.abs(right) >= 1) return null;
-    const near = (this.opened ? -1 : 1) * Math.sqrt(1 - right * right);
-    const [c, s] = [Math.cos(this.tilt), Math.sin(this.tilt)];
-    const height = this.centre + up * c + ((near + up * s) / c) * s;
-    const z = height + this.length / 2;
-    if (z < 0 || z >= this.length) return null;
-    return [(((this.turn + Math.atan2(right, near)) % TURN) + TURN) % TURN, z];
+    const found = this.shown.pick(right, up, this.centre, this.tilt, this.opened);
+    return found && [(((this.turn + found.angle) % TURN) + TURN) % TURN, found.s];
   }
 }
