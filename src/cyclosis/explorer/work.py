@@ -19,7 +19,7 @@ from .session import Kind, Session, kind_at
 from .setup import SetUp, is_placed
 from .surfaces import surface_of
 
-MOST_KINDS = 16
+MOST_KINDS = 12
 """Kinds of cell for which compiled programs are kept; each takes about 26 MB, and a closed one as four."""
 FEW, FEW_PLACED = 100, 10
 """Most steps of a protocol for which adding one is quick, and if they change parameters in regions."""
