@@ -58,8 +58,14 @@ def lattice(frame: Frame, complete: bool, source: str) -> Frame:
     good = np.zeros(rows.size * columns.size, dtype=bool)
     good[places] = frame.good
     return replace(
-        frame, x=xx.ravel(), y=yy.ravel(), good=good, vx=spread(frame.vx), vy=spread(frame.vy),
-        angle=spread(frame.angle), grid=shape,
+        frame,
+        x=xx.ravel(),
+        y=yy.ravel(),
+        good=good,
+        vx=spread(frame.vx),
+        vy=spread(frame.vy),
+        angle=spread(frame.angle),
+        grid=shape,
     )
 
 
@@ -87,6 +93,11 @@ def _taken(frame: Frame, where: Any) -> Frame:
         return None if values is None else values[where]
 
     return replace(
-        frame, x=frame.x[where], y=frame.y[where], good=frame.good[where], vx=part(frame.vx),
-        vy=part(frame.vy), angle=part(frame.angle),
+        frame,
+        x=frame.x[where],
+        y=frame.y[where],
+        good=frame.good[where],
+        vx=part(frame.vx),
+        vy=part(frame.vy),
+        angle=part(frame.angle),
     )

@@ -22,7 +22,11 @@ def estimated_noise(obs: Observation) -> float | None:
         return None
     same = all(f.grid == frames[0].grid and np.array_equal(f.x, frames[0].x) for f in frames)
     stack = np.stack([_components(frame) for frame in frames]) if same else _components(frames[0])[None]
-    differences = [np.diff(stack, 3, axis=0)] if same and len(frames) >= 4 else [np.diff(stack, 3, axis=k) for k in (2, 3)]
+    differences = (
+        [np.diff(stack, 3, axis=0)]
+        if same and len(frames) >= 4
+        else [np.diff(stack, 3, axis=k) for k in (2, 3)]
+    )
     sizes = np.concatenate([np.abs(each[np.isfinite(each)]) for each in differences])
     if sizes.size < LEAST:
         return None

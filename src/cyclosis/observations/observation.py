@@ -85,7 +85,9 @@ def gridded(
         rule = f"arrays of the shape (rows, columns) = {shape}"
         raise InputError("vx, vy and good", u, rule, "give them over y and x, in this order")
     xx, yy = np.meshgrid(across, down)
-    return Frame(xx.ravel(), yy.ravel(), ok.ravel(), u.ravel(), v.ravel(), None, (down.size, across.size), time)
+    return Frame(
+        xx.ravel(), yy.ravel(), ok.ravel(), u.ravel(), v.ravel(), None, (down.size, across.size), time
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +165,10 @@ class Observation:
             most = "give the radius in micrometres"
             radius_px = number("radius_um", radius_um, 1e-9, 1e12, most) / self.pixel_um
         if radius_px is None:
-            rule, remedy = "given: vectors do not tell it", "measure it, or use cyclosis.observations.rim(image)"
+            rule, remedy = (
+                "given: vectors do not tell it",
+                "measure it, or use cyclosis.observations.rim(image)",
+            )
             raise InputError("radius_px", None, rule, remedy, "give --radius-um or --radius-px")
         if centre_px is None:
             rule, remedy = "given: a point (x, y) on the axis, in pixels, y down", "measure it in the image"
@@ -204,8 +209,15 @@ class Observation:
         from .surface import on_surface
 
         return on_surface(
-            self, n_theta, n_z, theta=theta, z=z, scales=scales, max_angle_deg=max_angle_deg,
-            outside=outside, depth_um=depth_um,
+            self,
+            n_theta,
+            n_z,
+            theta=theta,
+            z=z,
+            scales=scales,
+            max_angle_deg=max_angle_deg,
+            outside=outside,
+            depth_um=depth_um,
         )
 
     def __repr__(self) -> str:
@@ -219,7 +231,9 @@ class Observation:
             good = sum(int(frame.good.sum()) for frame in self.frames)
             grid = self.frames[0].grid
             where = f" on {grid[1]} x {grid[0]}" if grid else ""
-            rows.append(("samples", f"{len(self.frames)} frame(s){where}, {good} of {count} samples are good"))
+            rows.append(
+                ("samples", f"{len(self.frames)} frame(s){where}, {good} of {count} samples are good")
+            )
             rows.append(("units", f"pixels and {self.time_unit}, y down"))
         known = (("pixel", self.pixel_um, "um"), ("frame", self.frame_s, "s"), ("noise", self.noise_px, "px"))
         rows += [(name, f"{value:g} {unit}") for name, value, unit in known if value is not None]

@@ -111,10 +111,16 @@ def read(
         rule = "one with at least one vector that is good; all are flagged, masked or not finite"
         raise InputError("file", str(paths[0]), rule, "check the mask and the validation")
     notes = tuple(dict.fromkeys([*first.notes, *settled.notes]))
-    kind = VELOCITY if first.kind == TRACKS else first.kind
     return Observation(
-        tuple(frames), kind if first.kind != TRACKS else TRACKS, settled.time_unit, cal.pixel_um, cal.frame_s,
-        noise_px, first.format, ", ".join(each.name for each in paths), notes,
+        tuple(frames),
+        first.kind,
+        settled.time_unit,
+        cal.pixel_um,
+        cal.frame_s,
+        noise_px,
+        first.format,
+        ", ".join(each.name for each in paths),
+        notes,
     )
 
 
@@ -171,7 +177,10 @@ class _Settled:
             return 1.0
         unit = angle or content.extra.get("angle")
         if unit is None:
-            rule, remedy = "the unit of the angles, degrees or radians, which the file does not say", "say which"
+            rule, remedy = (
+                "the unit of the angles, degrees or radians, which the file does not say",
+                "say which",
+            )
             raise InputError("angle", None, rule, remedy, "give --angle degrees")
         return np.pi / 180 if choice("angle", unit, ("degrees", "radians")) == "degrees" else 1.0
 
@@ -192,8 +201,7 @@ class _Settled:
     def _sampled(self, content: Content, columns: Columns, x: Array, y: Array, good: Any) -> Frame:
         vx = vy = angle = None
         if content.kind == ANGLE:
-            sign = 1.0 if content.y == "down" or self.direction == "down" else 1.0
-            angle = sign * columns["angle"] * self.angle
+            angle = columns["angle"] * self.angle  # counter-clockwise as seen, whatever y is
         else:
             sign = -1.0 if self.direction == "up" else 1.0
             vx, vy = columns["u"] * self.velocity, sign * columns["v"] * self.velocity
@@ -278,8 +286,18 @@ def _surface(paths: list[Path], content: Content) -> Observation:
         raise InputError("path", [p.name for p in paths], "one file of `cyclosis measure`", "read them apart")
     camera = content.extra.pop("view", None)
     return Observation(
-        (), SURFACE, content.extra.get("time_unit", "s"), content.pixel_um, content.frame_s, None, content.format,
-        paths[0].name, tuple(content.notes), camera, None, content.extra,
+        (),
+        SURFACE,
+        content.extra.get("time_unit", "s"),
+        content.pixel_um,
+        content.frame_s,
+        None,
+        content.format,
+        paths[0].name,
+        tuple(content.notes),
+        camera,
+        None,
+        content.extra,
     )
 
 
@@ -313,6 +331,16 @@ def _pictured(
         factor, settled.time_unit = settled.cal.per_time(time)
         image = image * (settled.cal.pixels("speed", over) * factor)
     return Observation(
-        (), content.kind, settled.time_unit, settled.cal.pixel_um, settled.cal.frame_s, noise_px, content.format,
-        paths[0].name, tuple([*content.notes, *settled.notes]), None, image, extra,
+        (),
+        content.kind,
+        settled.time_unit,
+        settled.cal.pixel_um,
+        settled.cal.frame_s,
+        noise_px,
+        content.format,
+        paths[0].name,
+        tuple([*content.notes, *settled.notes]),
+        None,
+        image,
+        extra,
     )

@@ -135,7 +135,9 @@ def _axes(
     step = _spacing(frames, view, phi, z_seen)
     ends = (max(-most, float(phi.min())), min(most, float(phi.max())))
     across = view.facing + _points("theta", n_theta, ends, step) if theta is None else _given("theta", theta)
-    along = _points("z", n_z, (float(z_seen.min()), float(z_seen.max())), step) if z is None else _given("z", z)
+    along = (
+        _points("z", n_z, (float(z_seen.min()), float(z_seen.max())), step) if z is None else _given("z", z)
+    )
     return across, along
 
 
@@ -160,7 +162,12 @@ def _points(name: str, count: int | None, ends: tuple[float, float], step: float
 
 def _given(name: str, values: npt.ArrayLike) -> Array:
     out = numbers(name, values, "increasing numbers (n,)", "give the points of the grid")
-    if out.ndim != 1 or not 1 <= out.size <= MOST_POINTS or not np.isfinite(out).all() or (np.diff(out) <= 0).any():
+    if (
+        out.ndim != 1
+        or not 1 <= out.size <= MOST_POINTS
+        or not np.isfinite(out).all()
+        or (np.diff(out) <= 0).any()
+    ):
         raise InputError(name, out, f"1 to {MOST_POINTS} increasing finite numbers", "sort them")
     return out
 
@@ -220,7 +227,9 @@ def _dataset(
     noise = obs.noise_px
     if name == "u":
         data["u"] = (
-            ("time", "component", "theta", "z"), fields * factor, _about(f"measured velocity, in {told}", per)
+            ("time", "component", "theta", "z"),
+            fields * factor,
+            _about(f"measured velocity, in {told}", per),
         )
         noise = estimated_noise(obs) if noise is None else noise
         if noise is not None:
@@ -233,7 +242,11 @@ def _dataset(
     out = xarray.Dataset(
         data,
         {
-            "time": (("time",), times / factor, _about(f"time in {clock}", "1" if scales is not None else obs.time_unit)),
+            "time": (
+                ("time",),
+                times / factor,
+                _about(f"time in {clock}", "1" if scales is not None else obs.time_unit),
+            ),
             "component": (("component",), ["theta", "z"], {"long_name": "direction on the surface"}),
             "theta": (("theta",), theta, _about("angle around the cell", "radian")),
             "z": (("z",), z, _about("place along the cell in units of R")),

@@ -50,8 +50,13 @@ class Calibration:
             return 1.0
         if self.pixel_um is None:
             rule = "given, because the positions or speeds are in " + unit
-            raise InputError("pixel_um", None, rule, "give the size of a pixel in micrometres, as pixel_um=5.0",
-                             "give the size of a pixel in micrometres, as --pixel-um 5")
+            raise InputError(
+                "pixel_um",
+                None,
+                rule,
+                "give the size of a pixel in micrometres, as pixel_um=5.0",
+                "give the size of a pixel in micrometres, as --pixel-um 5",
+            )
         return micrometres / self.pixel_um
 
     def per_time(self, unit: str) -> tuple[float, str]:

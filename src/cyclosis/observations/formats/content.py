@@ -16,7 +16,14 @@ Array = npt.NDArray[np.float64]
 Columns = dict[str, Array]
 """Columns of one length by name: x, y, u, v, good; or x, y, angle, good; or x, y, frame, track."""
 
-VELOCITY, TRACKS, ANGLE, KYMOGRAPH, SLICE, SURFACE = "velocity", "tracks", "angle", "kymograph", "slice", "surface"
+VELOCITY, TRACKS, ANGLE, KYMOGRAPH, SLICE, SURFACE = (
+    "velocity",
+    "tracks",
+    "angle",
+    "kymograph",
+    "slice",
+    "surface",
+)
 
 
 @dataclass

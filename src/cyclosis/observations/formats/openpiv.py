@@ -30,7 +30,10 @@ def read(text: Text) -> Content:
     good = good_of(x, y, u, v)
     notes = [_HEADER]
     if values.shape[1] == 6:
-        flags, mask = _codes(text, "flags", values[:, 4], (0, 1, 2)), _codes(text, "mask", values[:, 5], (0, 1))
+        flags, mask = (
+            _codes(text, "flags", values[:, 4], (0, 1, 2)),
+            _codes(text, "mask", values[:, 5], (0, 1)),
+        )
         good &= (flags == 0) & (mask == 0)
         notes.append("flags 1 (outlier) and 2 (replaced) and mask 1 are not taken as measured")
     else:
@@ -40,10 +43,14 @@ def read(text: Text) -> Content:
     return Content("openpiv", VELOCITY, [columns], complete=True, notes=notes)
 
 
-def _fifth(text: Text, column: Array, name: str, notes: list[str]) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _fifth(
+    text: Text, column: Array, name: str, notes: list[str]
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return which vectors are good by a fifth column, which is a mask, flags, or a ratio of peaks."""
     if name in ("mask", "flags") or np.isin(column, (0.0, 1.0, 2.0)).all():
-        notes.append(f"the fifth column ({name or 'no name, values 0 and 1'}) marks vectors that are not good")
+        notes.append(
+            f"the fifth column ({name or 'no name, values 0 and 1'}) marks vectors that are not good"
+        )
         return np.asarray(_codes(text, name or "the fifth column", column, (0, 1, 2)) == 0)
     notes.append("the fifth column is taken as the ratio of peak to noise; vectors below 1 are not good")
     return np.asarray(~(column < 1.0))

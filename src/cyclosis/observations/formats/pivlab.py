@@ -54,7 +54,15 @@ def read(text: Text) -> Content:
     pixel_um, frame_s, notes = _calibration(text.header, length)
     said = [f"its header says {speed}; after a calibrated export without derivatives that may be wrong"]
     return Content(
-        "pivlab", VELOCITY, [columns], length, speed, None, pixel_um, frame_s, complete=True,
+        "pivlab",
+        VELOCITY,
+        [columns],
+        length,
+        speed,
+        None,
+        pixel_um,
+        frame_s,
+        complete=True,
         notes=[*_NOTES, *notes, *(said if speed == "m/s" else [])],
     )
 
@@ -124,7 +132,16 @@ def read_mat(path: Path, variables: dict[str, Any]) -> Content:
     calu = _scalar(variables.get("calu"))
     frame_s = calxy / abs(calu) if length == "m" and calxy and calu else None
     return Content(
-        "pivlab .mat", VELOCITY, frames, length, speed, None, pixel_um, frame_s, complete=True, notes=list(_NOTES)
+        "pivlab .mat",
+        VELOCITY,
+        frames,
+        length,
+        speed,
+        None,
+        pixel_um,
+        frame_s,
+        complete=True,
+        notes=list(_NOTES),
     )
 
 

@@ -30,7 +30,13 @@ def from_header(text: Text) -> Content:
     """Return the vectors of a table whose header names its columns."""
     names = [_bare(name) for name in text.names]
     chosen: dict[str, Any] = {each: names.index(each) for each in ("x", "y", "u", "v")}
-    for name, meaning in (("flags", "bad"), ("flag", "bad"), ("mask", "bad"), ("bad", "bad"), ("good", "good")):
+    for name, meaning in (
+        ("flags", "bad"),
+        ("flag", "bad"),
+        ("mask", "bad"),
+        ("bad", "bad"),
+        ("good", "good"),
+    ):
         if names.count(name) == 1 and meaning not in chosen:
             chosen[meaning] = names.index(name)
     units = [_unit(text.names[chosen[each]]) for each in ("x", "y", "u", "v")]

@@ -39,7 +39,9 @@ class Text:
         if not self.header:
             return []
         line = self.header[-1].strip().lstrip("#%").strip()
-        parts = line.split(self.delimiter) if self.delimiter.strip() or self.delimiter == "\t" else line.split()
+        parts = (
+            line.split(self.delimiter) if self.delimiter.strip() or self.delimiter == "\t" else line.split()
+        )
         if len(parts) == 1:
             parts = re.split(r"[\t,;]", line) if re.search(r"[\t,;]", line) else line.split()
         return [part.strip().strip('"') for part in parts]
@@ -68,7 +70,9 @@ def numbers_in(path: Path, text: str, skip: int = 0) -> Text:
     while lines and not lines[-1].strip():
         lines.pop()
     for at, line in enumerate(lines[: MOST_HEADER + 1]):
-        form = _form(line) if at >= skip and line.strip() and not line.lstrip().startswith(("#", "%")) else None
+        form = (
+            _form(line) if at >= skip and line.strip() and not line.lstrip().startswith(("#", "%")) else None
+        )
         if form is not None:
             delimiter, comma = form
             header = [each for each in lines[:at] if each.strip()]
@@ -134,7 +138,12 @@ def _slowly(path: Path, lines: list[str], first: int, delimiter: str | None) -> 
         if not line.strip() or line.lstrip().startswith(("#", "%")):
             continue
         fields = line.split() if delimiter is None else _fields(line, delimiter)
-        if rows and delimiter is not None and len(fields) == len(rows[0]) - 1 and line.rstrip(" \r\n")[-1:] == delimiter:
+        if (
+            rows
+            and delimiter is not None
+            and len(fields) == len(rows[0]) - 1
+            and line.rstrip(" \r\n")[-1:] == delimiter
+        ):
             fields.append("")
         row = [_float(field) for field in fields]
         if None in row or (rows and len(row) != len(rows[0])):
@@ -148,6 +157,8 @@ def _slowly(path: Path, lines: list[str], first: int, delimiter: str | None) -> 
 def _float(field: str) -> float | None:
     if field == "":
         return float("nan")
-    return float(field.replace("D", "e").replace("d", "e")) if _NUMBER.fullmatch(field) and not field.lower().startswith(("n", "i", "+n", "-n", "+i", "-i")) else (
-        float(field) if _NUMBER.fullmatch(field) else None
+    return (
+        float(field.replace("D", "e").replace("d", "e"))
+        if _NUMBER.fullmatch(field) and not field.lower().startswith(("n", "i", "+n", "-n", "+i", "-i"))
+        else (float(field) if _NUMBER.fullmatch(field) else None)
     )

@@ -34,8 +34,13 @@ def davis(text: Text) -> Content:
     good = good_of(x, y, u, v) & ((u != 0) | (v != 0))
     notes = ["DaVis writes exact zeros where there is no vector; they are not taken as measured"]
     return Content(
-        "davis", VELOCITY, [{"x": x, "y": y, "u": u, "v": v, "good": good.astype(float)}], length, speed,
-        complete=True, notes=notes,
+        "davis",
+        VELOCITY,
+        [{"x": x, "y": y, "u": u, "v": v, "good": good.astype(float)}],
+        length,
+        speed,
+        complete=True,
+        notes=notes,
     )
 
 
@@ -64,7 +69,9 @@ def insight(text: Text) -> Content:
         rule = "one whose units are known; it has " + ", ".join(units)
         raise unreadable(text.path, rule, "name the columns with columns=")
     x, y, u, v, code = text.values.T[:5]
-    said = {key: float(value) for key, value in re.findall(r'(\w+)="([-+0-9.eE]+)"', header) if _is_number(value)}
+    said = {
+        key: float(value) for key, value in re.findall(r'(\w+)="([-+0-9.eE]+)"', header) if _is_number(value)
+    }
     origin, dt = (said.get("OriginInImageX"), said.get("OriginInImageY")), said.get("MicrosecondsPerDeltaT")
     notes = ["CHC other than 1 is not taken as measured; y and v are positive upwards, as Insight's axes are"]
     return Content(
@@ -107,6 +114,12 @@ def fiji(text: Text) -> Content:
         raise unreadable(text.path, rule, "name its columns with columns=")
     notes = ["the first peak (ux1, uy1) is taken where the last column is 0; y and v are positive downwards"]
     return Content(
-        "fiji", VELOCITY, [{"x": x, "y": y, "u": u, "v": v, "good": good.astype(float)}], "px", "px/frame", "down",
-        complete=True, notes=notes,
+        "fiji",
+        VELOCITY,
+        [{"x": x, "y": y, "u": u, "v": v, "good": good.astype(float)}],
+        "px",
+        "px/frame",
+        "down",
+        complete=True,
+        notes=notes,
     )
