@@ -5,6 +5,8 @@ seen = seen.view(radius_px=100.0, axis_deg=17.0, centre_px=(30.0, 225.0), mirror
 data = seen.on_surface()                                             # an xarray.Dataset like a run's
 """
 
+from .compare import Comparison as Comparison
+from .compare import compare as compare
 from .formats import FORMATS as FORMATS
 from .kymograph import LineSpeeds as LineSpeeds
 from .kymograph import line_speeds as line_speeds

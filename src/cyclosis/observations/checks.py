@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 
 from ..model.errors import InputError
-from .observation import Array, Frame
+from .observation import Array, Bools, Frame
 from .view import View
 
 MOST_OUTSIDE = 0.2
 """Share of good vectors outside the rim above which radius or centre are wrong."""
+ALIKE = 0.5
+"""A vector flows if it differs from its neighbours' median by less than this share of it."""
 FLIPPED = 0.3
 """Correlation of the two parts of div u above which one component has the wrong sign."""
 TILT_DEG = 1.0
@@ -19,16 +22,43 @@ TILT_DEG = 1.0
 
 
 def inside(frame: Frame, view: View, outside: str, source: str) -> Frame:
-    """Return a frame of which only the samples on the cell are good. Raises `InputError` if few are."""
+    """Return a frame of which only the samples on the cell are good.
+
+    Raises `InputError` if many outside move as a flow does. Still ones, and the noise that correlation gives in
+    a background without texture, are left out and say nothing about the view.
+    """
     there = np.isfinite(view.to_surface(frame.x, frame.y)[2])
     good = int(frame.good.sum())
-    share = 1.0 - int((frame.good & there).sum()) / good if good else 0.0
+    beyond = frame.good & ~there
+    flowing = int((beyond & _flows(frame, there)).sum()) if beyond.any() else 0
+    share = flowing / good if good else 0.0
     if share > MOST_OUTSIDE and outside == "refuse":
-        rule = f"a view in which at most 20 % of the good vectors lie outside the cell; {share:.0%} do"
-        remedy = "correct radius_px, axis_deg or centre_px, or mask what is not cell and give outside='drop'"
-        command = "correct the radius, --axis or --centre, or give --outside drop if that is not cell"
+        rule = f"a view in which at most 20 % of the good vectors flow outside the cell; {share:.0%} do"
+        remedy = "correct radius_px, axis_deg or centre_px, or give outside='drop' if that is not the cell"
+        command = "correct the radius, --axis or --centre, or give --outside drop if that is not the cell"
         raise InputError("the view of " + source, view.to_dict(), rule, remedy, command)
     return replace(frame, good=frame.good & there)
+
+
+def _flows(frame: Frame, there: Bools) -> Bools:
+    """Return which samples move, and on a grid like those around them."""
+    assert frame.vx is not None
+    assert frame.vy is not None
+    both = np.where(frame.good, np.stack([frame.vx, frame.vy]), np.nan)
+    size = np.hypot(*both)
+    within = size[there & frame.good]
+    typical = float(np.median(within)) if within.size else 0.0
+    moving: Bools = size > 0.1 * typical if typical > 0 else size > 0
+    if frame.grid is None or min(frame.grid) < 3:
+        return moving
+    grid = np.pad(both.reshape(2, *frame.grid), ((0, 0), (1, 1), (1, 1)), constant_values=np.nan)
+    rows, columns = frame.grid
+    around = [grid[:, m : m + rows, n : n + columns] for m in range(3) for n in range(3) if (m, n) != (1, 1)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # all neighbours may be bad
+        middle = np.nanmedian(around, axis=0).reshape(2, -1)
+    with np.errstate(invalid="ignore"):
+        return moving & (np.hypot(*(both - middle)) < ALIKE * np.hypot(*middle))
 
 
 def sanity(data: object, view: View) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..model.errors import InputError
-from .formats.content import KYMOGRAPH, VELOCITY
+from .formats.content import VELOCITY
 from .kymograph import line_speeds
 from .observation import Array, Frame, Observation
 from .view import View
@@ -21,13 +21,9 @@ HARMONICS = 8
 """Angular orders of the flow in a cross-section."""
 
 
-def frames_of_picture(obs: Observation, view: View) -> Observation:
-    """Return the measurement as frames of velocities."""
-    if obs.kind == KYMOGRAPH:
-        return replace(obs, kind=VELOCITY, frames=(_line(obs, view),))
-    frame, noise = _ring(obs, view)
-    interval = 1.0 if obs.time_unit == "frame" or obs.frame_s is None else obs.frame_s
-    return replace(obs, frames=(frame,), noise_px=noise * interval if obs.noise_px is None else obs.noise_px)
+def of_kymograph(obs: Observation, view: View) -> Observation:
+    """Return a kymograph as a frame of velocities."""
+    return replace(obs, kind=VELOCITY, frames=(_line(obs, view),))
 
 
 def _line(obs: Observation, view: View) -> Frame:
@@ -58,12 +54,13 @@ def _line(obs: Observation, view: View) -> Frame:
     return Frame(places[:, 0], places[:, 1], good, v[:, 0], v[:, 1], grid=(1, parts) if along else (parts, 1))
 
 
-def _ring(obs: Observation, view: View) -> tuple[Frame, float]:
+def at_rim(obs: Observation, view: View, theta: Array) -> tuple[Array, float]:
     """Return the velocity along the cell at its rim, from a cross-section, and the noise of a pixel.
 
-    The flow along the cell in the vacuole is harmonic, w = sum over m of r^|m| (a cos mθ + b sin mθ), so that
-    all pixels inside tell its values at the rim. The centre of the view is that of the section; its axis is the
-    direction of θ = facing in the image, and θ increases counter-clockwise, or clockwise if mirrored.
+    Both are in pixels per unit of time. The flow along the cell in the vacuole is harmonic, w = sum over m of
+    r^|m| (a cos mφ + b sin mφ), so that all pixels inside tell its values at the rim. The centre of the view is
+    that of the section. Its axis is the direction of θ = facing in the image, from which θ increases
+    counter-clockwise, or clockwise if mirrored.
     """
     image: Any = obs.image
     rows, columns = np.indices(image.shape)
@@ -78,10 +75,8 @@ def _ring(obs: Observation, view: View) -> tuple[Frame, float]:
     matrix = _harmonics(r[used], phi[used])
     found, *_ = np.linalg.lstsq(matrix, image[used], rcond=None)
     left = image[used] - matrix @ found
-    at = 2 * np.pi * np.arange(8 * HARMONICS) / (8 * HARMONICS)
-    w: Array = _harmonics(np.ones_like(at), at) @ found
-    frame = Frame(at, w, np.ones(at.size, dtype=bool), np.zeros_like(w), w)
-    return frame, float(left.std())
+    w: Array = _harmonics(np.ones_like(theta), theta - view.facing) @ found
+    return w, float(left.std())
 
 
 def _harmonics(r: Array, phi: Array) -> Array:

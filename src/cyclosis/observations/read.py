@@ -49,6 +49,7 @@ def read(
     angle: str | None = None,
     line_px: Sequence[Sequence[float]] | None = None,
     max_gap: int = 3,
+    window_px: float | None = None,
 ) -> Observation:
     """Return the measurement in one file, or in several of one kind, in pixels with y down.
 
@@ -102,7 +103,7 @@ def read(
     cal = Calibration(
         first.pixel_um if pixel_um is None else pixel_um, first.frame_s if frame_s is None else frame_s
     )
-    settled = _Settled(first, y, speed, length, cal, _pair("origin_px", origin_px), angle, max_gap)
+    settled = _Settled(first, y, speed, length, cal, _pair("origin_px", origin_px), angle, max_gap, window_px)
     if first.kind in (KYMOGRAPH, SLICE):
         return _pictured(paths, contents, settled, noise_px, line_px)
     frames = [frame for content in contents for frame in settled.frames(content)]
@@ -137,8 +138,15 @@ class _Settled:
         origin: tuple[float, float] | None,
         angle: str | None,
         max_gap: int,
+        window_px: float | None = None,
     ) -> None:
         self.cal, self.notes, self.max_gap = cal, list[str](), max_gap
+        self.window = None
+        if window_px is not None:
+            if content.format != "openpiv":
+                rule = f"left out for the format {content.format}"
+                raise InputError("window_px", window_px, rule, "it is for OpenPIV's files")
+            self.window = number("window_px", window_px, 2.0, 1e5, "give the size of the search windows")
         self.origin = content.origin_px if origin is None else origin
         self.direction = y or content.y
         if content.y is not None and y is not None and y != content.y:
@@ -213,6 +221,8 @@ class _Settled:
 
     def _placed(self, x: Array, y: Array, content: Content) -> tuple[Array, Array]:
         """Return positions in the image, y down."""
+        if self.window is not None and x.size:
+            x, y = self._uncentred(x), self._uncentred(y)
         right, down = self.origin or (0.0, 0.0)
         if self.direction == "down":
             return x + right, y + down
@@ -225,6 +235,16 @@ class _Settled:
         self.notes.append(_MIDDLE)
         finite = y[np.isfinite(y)]
         return x, (finite.min() + finite.max() - y if finite.size else y)
+
+    def _uncentred(self, at: Array) -> Array:
+        """Return positions of OpenPIV with the middle of the first window where its pixels are.
+
+        `pyprocess.get_coordinates` moves positions by half of what the windows leave free of the image, and
+        puts the middle of a window of n pixels at n/2; the windows themselves begin at the first pixel
+        (OpenPIV 0.26.1). In a file with y upwards the smallest y belongs to the last row; that has moved as far.
+        """
+        assert self.window is not None
+        return at - (np.nanmin(at) - 0.5 * (self.window - 1))
 
 
 def _paths(path: Paths) -> list[Path]:

@@ -14,30 +14,43 @@ NEAR = 1e-9
 
 
 def interpolated(frame: Frame, values: Sequence[Array], x: Array, y: Array) -> list[Array]:
-    """Return values on a frame's grid at points of the image, linear between the four samples around each.
+    """Return values on a frame's grid at points of the image.
 
-    Where one of the four is bad, the plane through the other three replaces it, which is exact for linear
-    fields; where two are, and beyond the grid, the result is NaN.
+    Where all 4 x 4 samples around a point are good they are interpolated by cubics (Catmull-Rom), elsewhere
+    linearly between the nearest four. Where one of these is bad, the plane through the other three
+    replaces it, which is exact for linear fields; where two are, and beyond the grid, the result is NaN.
     """
     assert frame.grid is not None
     rows, columns = frame.grid
     xs, ys = frame.x.reshape(rows, columns)[0], frame.y.reshape(rows, columns)[:, 0]
     (i, a), (j, b) = _between(xs, x), _between(ys, y)
     weights = np.stack([(1 - b) * (1 - a), (1 - b) * a, b * (1 - a), b * a])
+    signs = np.array([1.0, -1.0, -1.0, 1.0]).reshape(4, *[1] * x.ndim)
     good = frame.good.reshape(rows, columns)
+    across, down = _catmull_rom(a), _catmull_rom(b)
     out = []
     for each in values:
         grid = np.where(good, each.reshape(rows, columns), np.nan)
         corners = np.stack([grid[j, i], grid[j, i + 1], grid[j + 1, i], grid[j + 1, i + 1]])
         missing = np.isnan(corners)
-        one = missing.sum(axis=0) == 1
-        known = np.where(missing, 0.0, corners)
-        signs = np.array([1.0, -1.0, -1.0, 1.0]).reshape(4, *[1] * (corners.ndim - 1))
-        plane = -signs * (signs * known).sum(axis=0)
-        corners = np.where(missing & one, plane, corners)
-        counted = np.where(weights > NEAR, corners * weights, 0.0)
-        out.append(np.where(np.isnan(a) | np.isnan(b), np.nan, counted.sum(axis=0)))
+        plane = -signs * (signs * np.where(missing, 0.0, corners)).sum(axis=0)
+        corners = np.where(missing & (missing.sum(axis=0) == 1), plane, corners)
+        linear = np.where(weights > NEAR, corners * weights, 0.0).sum(axis=0)
+        wide = np.pad(grid, 1, constant_values=np.nan)
+        cubic = sum(down[m] * across[n] * wide[j + m, i + n] for m in range(4) for n in range(4))
+        found = np.where(np.isnan(cubic), linear, cubic)
+        out.append(np.where(np.isnan(a) | np.isnan(b), np.nan, found))
     return out
+
+
+def _catmull_rom(t: Array) -> list[Array]:
+    """Return the weights of the four samples around a point at a share t between the middle two."""
+    return [
+        0.5 * (-t + 2 * t**2 - t**3),
+        0.5 * (2 - 5 * t**2 + 3 * t**3),
+        0.5 * (t + 4 * t**2 - 3 * t**3),
+        0.5 * (-(t**2) + t**3),
+    ]
 
 
 def _between(axis: Array, at: Array) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from . import checks
 from .formats.content import ANGLE, KYMOGRAPH, SLICE, SURFACE
 from .noise import estimated_noise
 from .observation import Array, Frame, Observation
+from .pictured import at_rim, of_kymograph
 from .resample import binned, interpolated, lines
 from .view import View
 
@@ -86,12 +87,14 @@ def on_surface(
         raise InputError("observation", "without a view", rule, remedy)
     most = math.radians(number("max_angle_deg", max_angle_deg, 1.0, 89.9, "give degrees below 90"))
     choice("outside", outside, ("refuse", "drop"))
-    if obs.kind in (KYMOGRAPH, SLICE):
-        from .pictured import frames_of_picture
-
-        obs = frames_of_picture(obs, view)
-    if obs.kind != ANGLE and obs.kind != SLICE:
-        obs = replace(obs, frames=tuple(checks.inside(f, view, outside, obs.source) for f in obs.frames))
+    if obs.kind == SLICE:
+        return _section(obs, view, n_theta, theta, scales)
+    if obs.kind == KYMOGRAPH:
+        obs = of_kymograph(obs, view)
+    if obs.kind != ANGLE:
+        # An optical flow has values everywhere, and spreads beyond the rim by the width of its window.
+        rule = "drop" if obs.format == "flow" else outside
+        obs = replace(obs, frames=tuple(checks.inside(f, view, rule, obs.source) for f in obs.frames))
     frames = [_sharp(frame, view, most, depth_um, obs.pixel_um) for frame in obs.frames]
     if not any(frame.good.any() for frame in frames):
         rule = "one with good samples on the part of the cell that is seen"
@@ -100,6 +103,21 @@ def on_surface(
     names = ("angle",) if obs.kind == ANGLE else ("u",)
     fields, counts = zip(*(_field(frame, view, angles, along) for frame in frames), strict=True)
     return _dataset(obs, view, names[0], frames, np.array(fields), np.array(counts), angles, along, scales)
+
+
+def _section(
+    obs: Observation, view: View, n_theta: int | None, theta: npt.ArrayLike | None, scales: Scales | None
+) -> xarray.Dataset:
+    """Return the flow along the cell at the rim of a cross-section, all around it; that across it is NaN."""
+    count = 64 if n_theta is None else whole("n_theta", n_theta, 1, MOST_POINTS, "give a number of points")
+    across = 2 * np.pi * np.arange(count) / count if theta is None else _given("theta", theta)
+    w, noise = at_rim(obs, view, across)
+    u = np.stack([np.full_like(w, np.nan), w / view.radius_px])[None, :, :, None]
+    frame = Frame(np.zeros(1), np.zeros(1), np.ones(1, dtype=bool))
+    if obs.noise_px is None:
+        obs = replace(obs, noise_px=noise * _interval(obs))
+    counts = np.ones((1, across.size, 1))
+    return _dataset(obs, view, "u", [frame], u, counts, across, np.zeros(1), scales)
 
 
 def _sharp(frame: Frame, view: View, most: float, depth_um: float | None, pixel_um: float | None) -> Frame:
@@ -217,7 +235,7 @@ def _dataset(
     told = "U" if scales is not None else f"radii per {'second' if obs.time_unit == 's' else 'frame'}"
     clock = "R/U" if scales is not None else "seconds" if obs.time_unit == "s" else "frames"
     factor = 1.0 if scales is None else scales.time_s
-    good = np.isfinite(fields).all(axis=1)
+    good = np.isfinite(fields).any(axis=1)  # a kymograph has one component
     cos_phi = np.cos(view.phi(theta))
     data: dict[str, Any] = {
         "good": (("time", "theta", "z"), good.astype(np.int8), _about("whether there is a value")),
@@ -253,7 +271,7 @@ def _dataset(
         },
         _attributes(obs, view, unit_s, radius_um, scales, noise),
     )
-    said = checks.sanity(out, view) if name == "u" and obs.kind not in (KYMOGRAPH, SLICE) else []
+    said = checks.sanity(out, view) if name == "u" and obs.kind != SLICE else []
     for sentence in said:
         warnings.warn(sentence, UserWarning, stacklevel=4)
     return out.assign_attrs(warnings="; ".join(said))

@@ -49,7 +49,7 @@ def npy(path: Path, raw: bytes, asked: Asked) -> Content:
         f"its components are {asked.order}; a pixel without texture reads 0 and is not taken as measured",
         "v is positive downwards, as rows are",
     ]
-    return Content("flow", VELOCITY, [columns], "px", None, "down", complete=True, notes=notes)
+    return Content("flow", VELOCITY, [columns], "px", "px/frame", "down", complete=True, notes=notes)
 
 
 def _sampled(shape: tuple[int, ...], asked: Asked) -> Columns:
