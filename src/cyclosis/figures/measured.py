@@ -86,13 +86,13 @@ def comparison(data: Any, frame: int = 0) -> Figure:
         figure = blank(WIDTH, height)
         largest = float(np.nanmax(np.abs(now["measured"].sel(component="z").values)))
         for k, name in enumerate(("measured", "model", "residual")):
-            ax = place(figure, 12.0 + 54.0 * k + (9.0 if k == 2 else 0.0), 12.0, 42.0, height - 22.0)
+            ax = place(figure, 12.0 + 50.0 * k, 12.0, 44.0, height - 22.0)
             values = now[name].sel(component="z").values
             if name == "residual":
                 most = max(float(np.nanquantile(np.abs(values), 0.99)), 1e-12)
                 shown = _map(ax, now, values, "RdBu_r", most)
                 told = "noise" if "noise" in data["residual"].attrs.get("long_name", "") else "peak"
-                _key(figure, shown, 12.0 + 54.0 * 2 + 53.0, 12.0, height - 22.0, f"in units of the {told}")
+                _key(figure, shown, 159.0, 12.0, height - 22.0, f"in units of the {told}")
             else:
                 shown = _map(ax, now, values, POLARITY, largest)
                 _arrows(ax, now, now[name].values)
@@ -118,8 +118,8 @@ def _image(ax: Any, obs: Any, view: Any, image: Any, depth_um: float | None) -> 
         if cap == cap and cap < 0.99 * math.pi / 2:
             for phi in (-cap, cap):
                 _meridian(ax, view, phi, ends, "#e0a526", "-", 0.8)
-    tip = view.to_image(view.facing, ends[1])
-    tail = view.to_image(view.facing, ends[1] - 0.35)
+    top = ends[0] + 0.9 * (ends[1] - ends[0])
+    tip, tail = (view.to_image(view.facing, at) for at in (top, top - 0.3))
     ax.annotate(
         "",
         (float(tip[0]), float(tip[1])),

@@ -63,7 +63,7 @@ def _flows(frame: Frame, there: Bools) -> Bools:
 
 def sanity(data: object, view: View) -> list[str]:
     """Return sentences about what seems wrong with a measured flow on the surface."""
-    u, theta, z, cos_phi = (getattr(data, "__getitem__")(n).values for n in ("u", "theta", "z", "cos_phi"))
+    u, theta, z, cos_phi = (data.__getitem__(n).values for n in ("u", "theta", "z", "cos_phi"))
     said = []
     found = divergence(u, theta, z, cos_phi)
     if found is not None and found > FLIPPED:

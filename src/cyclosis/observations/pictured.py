@@ -21,12 +21,13 @@ HARMONICS = 8
 """Angular orders of the flow in a cross-section."""
 
 
-def of_kymograph(obs: Observation, view: View) -> Observation:
-    """Return a kymograph as a frame of velocities."""
-    return replace(obs, kind=VELOCITY, frames=(_line(obs, view),))
+def of_kymograph(obs: Observation, view: View) -> tuple[Observation, int]:
+    """Return a kymograph as a frame of velocities along its line, and the component (0 θ, 1 z) that they are."""
+    frame, component = _line(obs, view)
+    return replace(obs, kind=VELOCITY, frames=(frame,)), component
 
 
-def _line(obs: Observation, view: View) -> Frame:
+def _line(obs: Observation, view: View) -> tuple[Frame, int]:
     """Return the velocities along a line that runs along the cell or across it; the other component is NaN."""
     ends = obs.extra.get("line_px")
     if ends is None:
@@ -51,7 +52,8 @@ def _line(obs: Observation, view: View) -> Frame:
         cos_phi = view.to_surface(*places.T)[2]
         v = np.where((cos_phi > 0)[:, None], v, np.nan)
     good = np.isfinite(speed)
-    return Frame(places[:, 0], places[:, 1], good, v[:, 0], v[:, 1], grid=(1, parts) if along else (parts, 1))
+    grid = (1, parts) if along else (parts, 1)
+    return Frame(places[:, 0], places[:, 1], good, v[:, 0], v[:, 1], grid=grid), int(along)
 
 
 def at_rim(obs: Observation, view: View, theta: Array) -> tuple[Array, float]:

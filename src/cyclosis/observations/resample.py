@@ -96,12 +96,3 @@ def _cell(points: Array, at: Array) -> Array:
     k = np.searchsorted(edges, at, side="right") - 1
     inside = np.isfinite(at) & (k >= 0) & (k < points.size)
     return np.where(inside, order[np.clip(k, 0, points.size - 1)], -1)
-
-
-def lines(frame: Frame, view: View, values: Sequence[Array], theta: Array, z: Array) -> tuple[Array, Array]:
-    """Return values along a line of the image, in the cells of the surface that it crosses."""
-    one_by_one = [np.where(np.isfinite(each), each, 0.0) for each in values]
-    found, count = binned(frame, view, one_by_one, theta, z)
-    none = [not np.isfinite(each).any() for each in values]
-    out = [np.full_like(f, np.nan) if empty else f for f, empty in zip(found, none, strict=True)]
-    return np.stack(out), count

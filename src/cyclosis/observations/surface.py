@@ -20,7 +20,7 @@ from .formats.content import ANGLE, KYMOGRAPH, SLICE, SURFACE
 from .noise import estimated_noise
 from .observation import Array, Frame, Observation
 from .pictured import at_rim, of_kymograph
-from .resample import binned, interpolated, lines
+from .resample import binned, interpolated
 from .view import View
 
 if TYPE_CHECKING:
@@ -89,8 +89,9 @@ def on_surface(
     choice("outside", outside, ("refuse", "drop"))
     if obs.kind == SLICE:
         return _section(obs, view, n_theta, theta, scales)
+    component = None
     if obs.kind == KYMOGRAPH:
-        obs = of_kymograph(obs, view)
+        obs, component = of_kymograph(obs, view)
     if obs.kind != ANGLE:
         # An optical flow has values everywhere, and spreads beyond the rim by the width of its window.
         rule = "drop" if obs.format == "flow" else outside
@@ -101,8 +102,11 @@ def on_surface(
         raise InputError("observation", obs.source, rule, "check radius, axis and centre")
     angles, along = _axes(frames, view, n_theta, n_z, theta, z, most)
     names = ("angle",) if obs.kind == ANGLE else ("u",)
-    fields, counts = zip(*(_field(frame, view, angles, along) for frame in frames), strict=True)
-    return _dataset(obs, view, names[0], frames, np.array(fields), np.array(counts), angles, along, scales)
+    found, counts = zip(*(_field(frame, view, angles, along) for frame in frames), strict=True)
+    fields = np.array(found)
+    if component is not None:
+        fields[:, 1 - component] = np.nan
+    return _dataset(obs, view, names[0], frames, fields, np.array(counts), angles, along, scales)
 
 
 def _section(
@@ -206,10 +210,7 @@ def _field(frame: Frame, view: View, theta: Array, z: Array) -> tuple[Array, Arr
         vx, vy = interpolated(frame, (frame.vx, frame.vy), x, y)
         u = np.stack(view.velocity_to_surface(x, y, vx, vy))
         return u, np.isfinite(u).any(axis=0).astype(float)
-    on_line = frame.grid is not None
     u_theta, u_z = view.velocity_to_surface(frame.x, frame.y, frame.vx, frame.vy)
-    if on_line:
-        return lines(frame, view, (u_theta, u_z), theta, z)
     found, count = binned(frame, view, (u_theta, u_z), theta, z)
     return np.stack(found), count
 

@@ -15,7 +15,7 @@ _RAW = "as before transform_coordinates, with y and v positive downwards"
 def recognises(text: Text) -> bool:
     """Return whether a text is one of OpenPIV's, by the names or the number of its columns."""
     names, count = text.names, text.values.shape[1]
-    if names[:4] == ["x", "y", "u", "v"] and text.header[-1].lstrip().startswith("#"):
+    if names[:4] == ["x", "y", "u", "v"] and text.commented:
         return count in (5, 6) and len(names) == count
     if text.header or count not in (5, 6):
         return False

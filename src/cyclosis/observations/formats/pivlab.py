@@ -85,7 +85,7 @@ def _calibration(header: list[str], length: str | None) -> tuple[float | None, f
     if length != "m" or not xy or not uv or not (np.isfinite(xy) and np.isfinite(uv)):
         return None, None, []
     dt = xy / uv
-    note = f"its factors make a pixel {xy * 1e6:g} um and the time between two images {dt:.6g} s"
+    note = f"its factors make a pixel {xy * 1e6:g} um and the time between two images {dt:.4g} s"
     return xy * 1e6, dt, [note]
 
 

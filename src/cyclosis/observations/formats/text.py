@@ -35,15 +35,27 @@ class Text:
 
     @property
     def names(self) -> list[str]:
-        """The names of the columns, in the last line of the header; empty if it has none."""
-        if not self.header:
-            return []
-        line = self.header[-1].strip().lstrip("#%").strip()
-        parts = (
-            line.split(self.delimiter) if self.delimiter.strip() or self.delimiter == "\t" else line.split()
+        """The names of the columns: the last line of the header with one for every column, or the last."""
+        found = [self._named(line) for line in reversed(self.header)]
+        return next(
+            (names for names in found if len(names) == self.values.shape[1]), found[0] if found else []
         )
-        if len(parts) == 1:
-            parts = re.split(r"[\t,;]", line) if re.search(r"[\t,;]", line) else line.split()
+
+    @property
+    def commented(self) -> bool:
+        """Whether the line with the names is a comment."""
+        return any(self._named(line) == self.names and line.lstrip().startswith("#") for line in self.header)
+
+    def _named(self, line: str) -> list[str]:
+        line = line.strip("\r\n \ufeff").lstrip("#%").strip(" ")
+        if self.delimiter != " " and self.delimiter in line:
+            parts = line.split(self.delimiter)
+        elif re.search(r"[\t,;]", line):
+            parts = re.split(r"[\t,;]", line)
+        elif "[" in line:  # names of several words, each with its unit
+            parts = re.findall(r"[^\[\]]+\[[^\]]*\]", line)
+        else:
+            parts = line.split()
         return [part.strip().strip('"') for part in parts]
 
 
@@ -77,12 +89,25 @@ def numbers_in(path: Path, text: str, skip: int = 0) -> Text:
             delimiter, comma = form
             header = [each for each in lines[:at] if each.strip()]
             values = _values(path, lines[at:], at, delimiter, comma)
+            _no_numbers(path, lines[:at], delimiter, values.shape[1])
             return Text(path, header, delimiter, values, comma)
     if not lines:
         raise unreadable(path, "a file with something in it", "check the path, it is empty")
     first = lines[0].strip()
     rule = f"a file whose columns are known; it begins with {first[:60]!r}"
     raise unreadable(path, rule, 'name them, as columns={"x": 0, "y": 1, "u": 2, "v": 3}')
+
+
+def _no_numbers(path: Path, header: list[str], delimiter: str, columns: int) -> None:
+    """Refuse a header with a row of numbers in it, of which one is damaged."""
+    for at, line in enumerate(header, 1):
+        fields = line.split() if delimiter == " " else _fields(line, delimiter)
+        count = sum(
+            _NUMBER.fullmatch(f) is not None or _DECIMAL_COMMA.fullmatch(f) is not None for f in fields
+        )
+        if len(fields) == columns and count >= max(2, columns // 2):
+            rule = f"{columns} numbers on every line; line {at} is {line.strip()[:60]!r}"
+            raise unreadable(path, rule, "write it again if it was damaged, or remove that line")
 
 
 def _form(line: str) -> tuple[str, bool] | None:
@@ -157,8 +182,6 @@ def _slowly(path: Path, lines: list[str], first: int, delimiter: str | None) -> 
 def _float(field: str) -> float | None:
     if field == "":
         return float("nan")
-    return (
-        float(field.replace("D", "e").replace("d", "e"))
-        if _NUMBER.fullmatch(field) and not field.lower().startswith(("n", "i", "+n", "-n", "+i", "-i"))
-        else (float(field) if _NUMBER.fullmatch(field) else None)
-    )
+    if _NUMBER.fullmatch(field) is None:
+        return None
+    return float(re.sub(r"(?<=\d|\.)[dD](?=[-+\d])", "e", field))

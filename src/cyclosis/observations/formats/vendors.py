@@ -6,9 +6,9 @@ import re
 
 import numpy as np
 
+from ..units import is_length, is_speed
 from .content import VELOCITY, Content, good_of, unreadable
 from .text import Text
-from ..units import is_length, is_speed
 
 
 def is_davis(text: Text) -> bool:
