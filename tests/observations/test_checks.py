@@ -18,7 +18,7 @@ def seen(name="u_transient", noise=0.0, flip=(1.0, 1.0), **view):
         **{"radius_px": 100.0, "axis_deg": 17.0, "centre_px": (60.0, 320.0), "facing": np.pi} | view
     )
     xx, yy = np.meshgrid(X, Y)
-    theta, z, cos_phi = camera.to_surface(xx, yy)
+    theta, z, _ = camera.to_surface(xx, yy)
     inside = np.isfinite(theta)
     u = at(truth(name), np.nan_to_num(theta), np.nan_to_num(z))
     vx, vy = camera.velocity_to_image(np.nan_to_num(theta), np.nan_to_num(z), *u)
@@ -39,19 +39,19 @@ def test_exact_measurements_end_in_the_run(axis, centre, facing, mirrored):
     theta, z = np.meshgrid(data["theta"].values, data["z"].values, indexing="ij")
     off = np.abs(data["u"].values[0] - at(truth("u_transient"), theta, z))
     assert np.isfinite(off).mean() > 0.5
-    assert np.nanmax(off[:, np.cos(theta - facing) > 0.5]) < 4e-3  # of a peak of 0.41: cubic interpolation
+    assert np.nanmax(off[:, np.cos(theta - facing) > 0.5]) < 6e-3  # of a peak of 0.41: interpolated
     assert data.attrs["warnings"] == ""
     found = cy.observations.compare(data, run_of("u_ordered", "u_transient"), mirrored=False)
     assert found.time == 1.0
-    assert found.rms_of_peak < 2e-3
+    assert found.rms_of_peak < 4e-3
     assert max(abs(found.rotation), abs(found.shift)) < 2e-3
 
 
 def test_comparison_finds_rotation_shift_speed_and_noise():
     data = seen(noise=0.5).on_surface()
     moved = data.assign_coords(theta=data["theta"] + 0.7, z=data["z"] + 1.3)
-    moved["u"] = 0.02 * data["u"].assign_attrs(units="s-1")
-    moved["sigma"] = 0.02 * data["sigma"]
+    moved["u"] = (data["u"].dims, 0.02 * data["u"].values, {"units": "s-1"})
+    moved["sigma"] = (data["sigma"].dims, 0.02 * data["sigma"].values)
     found = cy.observations.compare(moved, run_of("u_transient"))
     assert found.rotation == pytest.approx(0.7, abs=5e-3)
     assert found.shift == pytest.approx(1.3, abs=1e-2)
@@ -73,8 +73,8 @@ def test_several_frames_are_compared_with_time():
     )
     found = cy.observations.compare(data, fine, mirrored=False)
     assert found.time == pytest.approx(0.25)
-    assert found.speed == pytest.approx(0.1, rel=1e-3)
-    assert found.rms_of_peak < 1e-3
+    assert found.speed == pytest.approx(0.1, rel=3e-3)
+    assert found.rms_of_peak < 5e-3
 
 
 def test_a_flipped_component_is_noticed():

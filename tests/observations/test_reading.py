@@ -1,4 +1,4 @@
-"""Files in any form: order of rows, delimiters, line ends, headers, marks; and what is not said is asked for."""
+"""Files in any form: order of rows, delimiters, line ends, headers; and what is not said is asked for."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,7 @@
-"""Files that come with OpenPIV and pivpy, written by real programs: they open with the numbers of a plain reading.
+"""Files that come with OpenPIV and pivpy, by real programs, open with the numbers of a plain reading.
 
-The wheels are looked for in the folder that CYCLOSIS_WHEELS names: pip download openpiv pivpy --no-deps -d FOLDER
+The wheels are looked for in the folder that CYCLOSIS_WHEELS names: pip download openpiv pivpy --no-deps -d
+FOLDER
 """
 
 import io

@@ -264,8 +264,8 @@ def _say(seen: Observation, data: Any) -> None:
     sizes = data.sizes
     low, high = (np.degrees(float(data["theta"][k])) for k in (0, -1))
     print(
-        f"On the surface: {sizes['theta']} x {sizes['z']} points, θ from {low:.0f} to {high:.0f} degrees, z from "
-        f"{float(data['z'][0]):.2f} to {float(data['z'][-1]):.2f} R, {share:.0%} of them with values."
+        f"On the surface: {sizes['theta']} x {sizes['z']} points, θ from {low:.0f} to {high:.0f} degrees, "
+        f"z from {float(data['z'][0]):.2f} to {float(data['z'][-1]):.2f} R, {share:.0%} of them with values."
     )
     if name == "u":
         largest = np.sqrt((data["u"].fillna(0.0) ** 2).sum("component")).max().item()

@@ -26,10 +26,11 @@ def measurement(
 ) -> Figure:
     """Return a figure of a measurement: the image with what was seen on it, and the unrolled map.
 
-    `obs` is an `Observation` with a view, `data` its dataset on the surface, and `image` (rows, columns) a picture
-    of the cell, if there is one. The image shows the axis, the rim, the edge of the sharp cap for a depth of
-    field `depth_um`, and the vectors, purple towards +z and green against it; crosses are those that do not
-    count. The map has the velocity along the cell in the same colours, as a share of its largest size.
+    `obs` is an `Observation` with a view, `data` its dataset on the surface, and `image` (rows, columns) a
+    picture of the cell, if there is one. The image shows the axis, the rim, the edge of the sharp cap for a
+    depth of field `depth_um`, and the vectors, purple towards +z and green against it; crosses are those
+    that do not count. The map has the velocity along the cell in the same colours, as a share of its
+    largest size.
 
     Example:
         >>> import cyclosis as cy
@@ -68,8 +69,8 @@ def measurement(
 def comparison(data: Any, frame: int = 0) -> Figure:
     """Return the figure measured | model | residual of the dataset of a `Comparison`, at one frame.
 
-    Colours are the velocity along the cell as a share of the largest, arrows the velocity. The residual is that of
-    u_z in units of the noise, or as a share of the peak where the noise is not known.
+    Colours are the velocity along the cell as a share of the largest, arrows the velocity. The residual is
+    that of u_z in units of the noise, or as a share of the peak where the noise is not known.
 
     Example:
         >>> import cyclosis as cy

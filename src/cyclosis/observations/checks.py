@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +25,8 @@ TILT_DEG = 1.0
 def inside(frame: Frame, view: View, outside: str, source: str) -> Frame:
     """Return a frame of which only the samples on the cell are good.
 
-    Raises `InputError` if many outside move as a flow does. Still ones, and the noise that correlation gives in
-    a background without texture, are left out and say nothing about the view.
+    Raises `InputError` if many outside move as a flow does. Still ones, and the noise that correlation
+    gives in a background without texture, are left out and say nothing about the view.
     """
     there = np.isfinite(view.to_surface(frame.x, frame.y)[2])
     good = int(frame.good.sum())
@@ -61,9 +62,9 @@ def _flows(frame: Frame, there: Bools) -> Bools:
         return moving & (np.hypot(*(both - middle)) < ALIKE * np.hypot(*middle))
 
 
-def sanity(data: object, view: View) -> list[str]:
+def sanity(data: Any, view: View) -> list[str]:
     """Return sentences about what seems wrong with a measured flow on the surface."""
-    u, theta, z, cos_phi = (data.__getitem__(n).values for n in ("u", "theta", "z", "cos_phi"))
+    u, theta, z, cos_phi = (data[n].values for n in ("u", "theta", "z", "cos_phi"))
     said = []
     found = divergence(u, theta, z, cos_phi)
     if found is not None and found > FLIPPED:
@@ -75,8 +76,8 @@ def sanity(data: object, view: View) -> list[str]:
     if tilt is not None and abs(tilt) > TILT_DEG:
         turned = -tilt if not view.mirrored else tilt
         said.append(
-            f"the mean line of the flow is {abs(tilt):.1f} degrees from the axis: the streams are helical, or "
-            f"the axis is at {view.axis_deg + turned:.1f} degrees"
+            f"the mean line of the flow is {abs(tilt):.1f} degrees from the axis: the streams are helical, "
+            f"or the axis is at {view.axis_deg + turned:.1f} degrees"
         )
     return said
 

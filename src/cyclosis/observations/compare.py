@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+MOST_PASSES = 12
+"""Times that the pace of several frames is corrected."""
 LEAST_POINTS = 20
 """Measured values that a comparison needs."""
 
@@ -26,13 +28,14 @@ LEAST_POINTS = 20
 class Comparison:
     """How a run fits a measurement.
 
-    The measured point (θ, z) is the point (±(θ - `rotation`), z - `shift`) of the run, with the minus sign if
-    `mirrored`; rotation in radians, shift in radii. `time` is the run's time of the first measured frame, in
-    R/U, and `speed` the U of the run in the unit of the measured speeds (1 if that is U). `rms` is what is left,
-    in units of the noise, NaN if that is not known: 1 for a run that tells all. `rms_of_peak` is the same as a
-    share of the run's largest speed. `other_mirror` is how many times larger what is left is with the best fit
-    of the other mirror image: near 1, the measurement does not tell them apart. `dataset` holds `measured`,
-    `model` and `residual` (time, component, theta, z), the residual in units of the noise, or of the peak.
+    The measured point (θ, z) is the point (±(θ - `rotation`), z - `shift`) of the run, with the minus sign
+    if `mirrored`; rotation in radians, shift in radii. `time` is the run's time of the first measured
+    frame, in R/U, and `speed` the U of the run in the unit of the measured speeds (1 if that is U). `rms`
+    is what is left, in units of the noise, NaN if that is not known: 1 for a run that tells all.
+    `rms_of_peak` is the same as a share of the run's largest speed. `other_mirror` is how many times larger
+    what is left is with the best fit of the other mirror image: near 1, the measurement does not tell them
+    apart. `dataset` holds `measured`, `model` and `residual` (time, component, theta, z), the residual in
+    units of the noise, or of the peak.
 
     Example:
         >>> import cyclosis as cy
@@ -94,14 +97,14 @@ def compare(
 ) -> Comparison:
     """Return the best fit of a run to a measured flow: shift along z, rotation, mirror image, time and speed.
 
-    `measured` is an `Observation` with a view, a dataset of `on_surface`, or the path of a file of `cyclosis
-    measure`; `simulated` a run: a `Trajectory`, its dataset or its file. The weighted squares of the difference are
-    minimised: over all shifts and rotations by Fourier transforms, then continuously, with the run's
-    trigonometric interpolant at the measured points. `time` fixes the run's time of the first frame (by default
-    all saved times are tried), `speed` the U of the run in the unit of the measured speeds, and `mirrored` one
-    of the mirror images. Several measured frames are compared together, with the run's time passing at the
-    rate that the speed implies. Raises `InputError` for angles without a flow, which have no polarity, for too
-    few values, and for runs without a flow.
+    `measured` is an `Observation` with a view, a dataset of `on_surface`, or the path of a file of
+    `cyclosis measure`; `simulated` a run: a `Trajectory`, its dataset or its file. The weighted squares of
+    the difference are minimised: over all shifts and rotations by Fourier transforms, then continuously,
+    with the run's trigonometric interpolant at the measured points. `time` fixes the run's time of the
+    first frame (by default all saved times are tried), `speed` the U of the run in the unit of the measured
+    speeds, and `mirrored` one of the mirror images. Several measured frames are compared together, with the
+    run's time passing at the rate that the speed implies. Raises `InputError` for angles without a flow,
+    which have no polarity, for too few values, and for runs without a flow.
 
     Example: half of a cell, turned by one radian.
         >>> import numpy as np
@@ -207,16 +210,17 @@ def _best(
         flow.times if time is None else np.array([number("time", time, *flow.span, "use a time of the run")])
     )
     pace = 1.0 if speed is None else speed
-    best = (np.inf, 0.0, np.zeros(2))
-    for attempt in range(2 if speed is None and later.size > 1 else 1):
+    best, found = (np.inf, 0.0, np.zeros(2)), pace
+    for _ in range(MOST_PASSES if speed is None and later.size > 1 else 1):
         best = (np.inf, 0.0, np.zeros(2))
         for t0 in starts:
             frames = flow.at(t0 + later * pace, mirror)
             cost, turn, shift, U = flow.coarse(frames, u, weights, theta, z, speed)
             if cost < best[0]:
                 best, found = (cost, float(t0), np.array([turn, shift])), U
-        if attempt == 0 and speed is None:
-            pace = found
+        if abs(found / pace - 1) < 1e-4:
+            break
+        pace = found  # the speed tells how fast the run's time passes
     frames = flow.at(best[1] + later * pace, mirror)
 
     def cost_at(place: Array) -> float:

@@ -23,9 +23,9 @@ DISTINCT = 1.25
 class LineSpeeds:
     """Speeds along the line of a kymograph, in windows of its columns and rows.
 
-    `speed` (rows, columns) is in pixels per row of the kymograph, positive to the right, NaN where nothing was
-    recognised; `times` (rows,) and `places` (columns,) are the middles of the windows, in rows and pixels.
-    `correlation` (rows, columns) is the height of the peak, 1 for rows that are alike.
+    `speed` (rows, columns) is in pixels per row of the kymograph, positive to the right, NaN where nothing
+    was recognised; `times` (rows,) and `places` (columns,) are the middles of the windows, in rows and
+    pixels. `correlation` (rows, columns) is the height of the peak, 1 for rows that are alike.
 
     Example:
         >>> import numpy as np
@@ -48,7 +48,8 @@ class LineSpeeds:
         Example:
             >>> import numpy as np
             >>> import cyclosis as cy
-            >>> cy.observations.LineSpeeds(np.array([[1.0, 3.0]]), np.zeros(1), np.zeros(2), np.ones((1, 2))).mean
+            >>> speed = np.array([[1.0, 3.0]])
+            >>> cy.observations.LineSpeeds(speed, np.zeros(1), np.zeros(2), np.ones((1, 2))).mean
             2.0
         """
         return float(np.nanmean(self.speed))
@@ -59,10 +60,10 @@ def line_speeds(image: npt.ArrayLike, columns: int = 1, rows: int = 1) -> LineSp
     """Return the speeds in a kymograph (times, places) in `columns` x `rows` windows.
 
     Every row is correlated with the next one, and the mean correlation over the window has its peak at the
-    shift per row, found to a fraction of a pixel by a parabola. Unlike the slope of streaks in the picture, this
-    is right for streaks that move by more than their width in a row. Where two shifts fit almost equally
-    well, as for a periodic pattern, the speed is ambiguous. Raises `InputError` for that, for a picture in
-    which nothing is recognised from row to row, and for one that is too small.
+    shift per row, found to a fraction of a pixel by a parabola. Unlike the slope of streaks in the picture,
+    this is right for streaks that move by more than their width in a row. Where two shifts fit almost
+    equally well, as for a periodic pattern, the speed is ambiguous. Raises `InputError` for that, for a
+    picture in which nothing is recognised from row to row, and for one that is too small.
 
     Example: streaks that move by three of their widths in every row.
         >>> import numpy as np

@@ -38,7 +38,7 @@ class ModelFlow:
         return float(np.hypot(self.u[:, 0], self.u[:, 1]).max())
 
     def at(self, times: Array, mirror: bool) -> Array:
-        """Return u at some times, linear between the saved ones and constant beyond; its mirror image if asked."""
+        """Return u, or its mirror image, at some times: linear between saved ones, constant beyond."""
         at = np.clip(times, *self.span)
         k = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, max(self.times.size - 2, 0))
         nxt = np.minimum(k + 1, self.times.size - 1)
@@ -81,7 +81,7 @@ class ModelFlow:
             flat = values.reshape(-1, place.size)
             cells = np.stack([np.bincount(place, each, minlength=n * m) for each in flat])
             out.append(cells.reshape(*values.shape[:2], n, m))
-        return out[0], out[1]
+        return np.asarray(out[0]), np.asarray(out[1])
 
     def fitted(
         self,

@@ -1,4 +1,4 @@
-"""A measurement in the image: velocities, tracks, angles or a kymograph, in pixels, with what is known of them."""
+"""A measurement in the image, in pixels, with what is known of it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Frame:
 
     Example:
         >>> import cyclosis as cy
-        >>> frame = cy.observations.gridded([0.0, 16.0], [0.0, 16.0], [[1.0, 2.0], [3.0, 4.0]], [[0.0, 0.0]] * 2)
+        >>> frame = cy.observations.gridded([0, 16], [0, 16], [[1.0, 2.0], [3.0, 4.0]], [[0.0, 0.0]] * 2)
         >>> frame.grid, frame.x.tolist(), frame.vx.tolist(), frame.good.all().item()
         ((2, 2), [0.0, 16.0, 0.0, 16.0], [1.0, 2.0, 3.0, 4.0], True)
     """

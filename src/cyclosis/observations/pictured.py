@@ -22,13 +22,13 @@ HARMONICS = 8
 
 
 def of_kymograph(obs: Observation, view: View) -> tuple[Observation, int]:
-    """Return a kymograph as a frame of velocities along its line, and the component (0 θ, 1 z) that they are."""
+    """Return a kymograph as velocities along its line, and which component they are (0 θ, 1 z)."""
     frame, component = _line(obs, view)
     return replace(obs, kind=VELOCITY, frames=(frame,)), component
 
 
 def _line(obs: Observation, view: View) -> tuple[Frame, int]:
-    """Return the velocities along a line that runs along the cell or across it; the other component is NaN."""
+    """Return the velocities along a line that runs along the cell or across it, and their component."""
     ends = obs.extra.get("line_px")
     if ends is None:
         rule = "given for a kymograph: the two ends of its line in the image, ((x, y), (x, y)), y down"
@@ -59,10 +59,10 @@ def _line(obs: Observation, view: View) -> tuple[Frame, int]:
 def at_rim(obs: Observation, view: View, theta: Array) -> tuple[Array, float]:
     """Return the velocity along the cell at its rim, from a cross-section, and the noise of a pixel.
 
-    Both are in pixels per unit of time. The flow along the cell in the vacuole is harmonic, w = sum over m of
-    r^|m| (a cos mφ + b sin mφ), so that all pixels inside tell its values at the rim. The centre of the view is
-    that of the section. Its axis is the direction of θ = facing in the image, from which θ increases
-    counter-clockwise, or clockwise if mirrored.
+    Both are in pixels per unit of time. The flow along the cell in the vacuole is harmonic, w = sum over m
+    of r^|m| (a cos mφ + b sin mφ), so that all pixels inside tell its values at the rim. The centre of the
+    view is that of the section. Its axis is the direction of θ = facing in the image, from which θ
+    increases counter-clockwise, or clockwise if mirrored.
     """
     image: Any = obs.image
     rows, columns = np.indices(image.shape)

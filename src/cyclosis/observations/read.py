@@ -51,7 +51,7 @@ def read(
     max_gap: int = 3,
     window_px: float | None = None,
 ) -> Observation:
-    """Return the measurement in one file, or in several of one kind, in pixels with y down.
+    r"""Return the measurement in one file, or in several of one kind, in pixels with y down.
 
     The format is recognised by what the file holds; `format`, one of `FORMATS`, insists on one. What the file
     does not say must be given: `y`, "down" or "up", the direction in which both its y and its v increase;
@@ -73,7 +73,7 @@ def read(
         >>> from pathlib import Path
         >>> import cyclosis as cy
         >>> rows = ["0 0 1.5 0.0", "16 0 1.5 0.0", "0 16 2.5 0.0", "16 16 2.5 0.0"]
-        >>> _ = Path("vectors.txt").write_text("\\n".join(rows))
+        >>> _ = Path("vectors.txt").write_text("\n".join(rows))
         >>> named = {"x": 0, "y": 1, "u": 2, "v": 3}
         >>> seen = cy.observations.read("vectors.txt", columns=named, y="down", speed="px/frame", frame_s=0.5)
         >>> seen.frames[0].vx, seen.time_unit
@@ -241,7 +241,8 @@ class _Settled:
 
         `pyprocess.get_coordinates` moves positions by half of what the windows leave free of the image, and
         puts the middle of a window of n pixels at n/2; the windows themselves begin at the first pixel
-        (OpenPIV 0.26.1). In a file with y upwards the smallest y belongs to the last row; that has moved as far.
+        (OpenPIV 0.26.1). In a file with y upwards the smallest y belongs to the last row; that has moved as
+        far.
         """
         assert self.window is not None
         return at - (np.nanmin(at) - 0.5 * (self.window - 1))
@@ -359,7 +360,7 @@ def _pictured(
         noise_px,
         content.format,
         paths[0].name,
-        tuple([*content.notes, *settled.notes]),
+        (*content.notes, *settled.notes),
         None,
         image,
         extra,

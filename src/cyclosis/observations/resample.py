@@ -1,10 +1,11 @@
-"""Values of samples in the image at points of the surface: interpolated on a grid, averaged where scattered."""
+"""Values of samples at points of the surface: interpolated on a grid, averaged where scattered."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from .observation import Array, Frame
 from .view import View
@@ -53,8 +54,8 @@ def _catmull_rom(t: Array) -> list[Array]:
     ]
 
 
-def _between(axis: Array, at: Array) -> tuple[Array, Array]:
-    """Return the index of the grid line before each point, and the share of the way to the next; NaN outside."""
+def _between(axis: Array, at: Array) -> tuple[npt.NDArray[np.intp], Array]:
+    """Return the index of the grid line before each point, and how far it is to the next; NaN outside."""
     k = np.clip(np.searchsorted(axis, at, side="right") - 1, 0, axis.size - 2)
     share = (at - axis[k]) / (axis[k + 1] - axis[k])
     slack = 1e-9

@@ -23,9 +23,9 @@ LEAST_CONTRAST = 3.0
 class Rim:
     """The place of a cell in an image: what a `View` needs, except for z = 0 and the angle that faces it.
 
-    `radius_px` is half the distance of the two edges, `axis_deg` the direction of the axis, counter-clockwise
-    from the right as seen, in (-90, 90], and `on_axis_px` a point (x, y) of the axis, y down. `contrast` is the
-    difference of brightness inside and outside, in units of the spread outside.
+    `radius_px` is half the distance of the two edges, `axis_deg` the direction of the axis,
+    counter-clockwise from the right as seen, in (-90, 90], and `on_axis_px` a point (x, y) of the axis, y
+    down. `contrast` is the difference of brightness inside and outside, in units of the spread outside.
 
     Example:
         >>> import cyclosis as cy
@@ -43,10 +43,11 @@ class Rim:
 def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
     """Return the place of a straight cell that is brighter or darker than what surrounds it.
 
-    The image (rows, columns), or several (n, rows, columns) of one cell, which are averaged, is smoothed with a
-    box of `kernel_px` pixels. The two parallel edges are sought that separate it best: direction, offset and
-    half the width. A box makes a cell wider by half its width, which is subtracted. Check the result in a
-    picture: radius and axis are those of what is bright. Raises `InputError` if no such edges stand out.
+    The image (rows, columns), or several (n, rows, columns) of one cell, which are averaged, is smoothed
+    with a box of `kernel_px` pixels. The two parallel edges are sought that separate it best: direction,
+    offset and half the width. A box makes a cell wider by half its width, which is subtracted. Check the
+    result in a picture: radius and axis are those of what is bright. Raises `InputError` if no such edges
+    stand out.
 
     Example:
         >>> import numpy as np
@@ -70,11 +71,12 @@ def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
     every = max(1, max(picture.shape) // LARGEST)
     rows, columns = np.indices(picture.shape)
     points = [each[::every, ::every].ravel().astype(float) for each in (columns, rows, smooth)]
-    best = max((_edges(*points, angle) for angle in np.arange(-90.0, 90.0, 3.0)), key=lambda found: found[0])
-    full = [each[::2, ::2].ravel().astype(float) for each in (columns, rows, smooth)]
+    x, y, light = points
+    best = max((_edges(x, y, light, float(a)) for a in np.arange(-90, 90, 3)), key=_score)
+    x, y, light = [each[::2, ::2].ravel().astype(float) for each in (columns, rows, smooth)]
     for step in (1.0, 0.25, 0.05):
-        near = best[1] + step * np.arange(-4, 5)
-        best = max((_edges(*full, angle) for angle in near), key=lambda found: found[0])
+        near = [best[1] + step * k for k in range(-4, 5)]
+        best = max((_edges(x, y, light, angle) for angle in near), key=_score)
     _, angle, offset, half, inner, outer, spread = best
     contrast = abs(inner - outer) / max(spread, 1e-12)
     radius = half - 0.5 * box if inner > outer else half + 0.5 * box
@@ -88,15 +90,17 @@ def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
     return Rim(radius, axis, (middle[0] + away * math.sin(a), middle[1] + away * math.cos(a)), contrast)
 
 
+def _score(found: tuple[float, ...]) -> float:
+    return found[0]
+
+
 def _boxed(picture: Array, width: int) -> Array:
     from scipy.ndimage import uniform_filter
 
     return np.asarray(uniform_filter(picture, width, mode="nearest"))
 
 
-def _edges(
-    x: Array, y: Array, brightness: Array, angle: float
-) -> tuple[float, float, float, float, float, float, float]:
+def _edges(x: Array, y: Array, brightness: Array, angle: float) -> tuple[float, ...]:
     """Return how well two edges along `angle` (degrees) separate the brightness, and their place.
 
     (score, angle, offset, half width, mean inside, mean outside, spread outside); the offset is the distance

@@ -195,7 +195,7 @@ def _given(name: str, values: npt.ArrayLike) -> Array:
 
 
 def _field(frame: Frame, view: View, theta: Array, z: Array) -> tuple[Array, Array]:
-    """Return the values of a frame on the surface, (2, n_theta, n_z) or (1, n_theta, n_z), and their weights."""
+    """Return the values of a frame on the surface, (2 or 1, n_theta, n_z), and their weights."""
     if frame.angle is not None:
         x, y, _ = view.to_image(theta[:, None], z[None, :])
         doubled = (np.cos(2 * frame.angle), np.sin(2 * frame.angle))
@@ -293,7 +293,7 @@ def _interval(obs: Observation) -> float:
 
 
 def _scaled(obs: Observation, view: View, scales: Scales | None) -> tuple[float | None, float | None]:
-    """Return the seconds of the unit of time and the radius in micrometres. Raises `InputError` if they clash."""
+    """Return the seconds of the unit of time and the radius in µm. Raises `InputError` if they clash."""
     radius = None if obs.pixel_um is None else view.radius_px * obs.pixel_um
     if scales is None:
         return (1.0 if obs.time_unit == "s" else obs.frame_s), radius

@@ -82,7 +82,8 @@ def _matrix(item: Any) -> Any:
 def _variables(path: Path, variables: dict[str, Any]) -> Content:
     if pivlab.in_mat(variables):
         return pivlab.read_mat(path, variables)
-    rule = f"one with PIVlab's x, y, u_original and v_original; it has {', '.join(sorted(variables))[:80] or 'nothing'}"
+    names = ", ".join(sorted(variables))[:80] or "nothing"
+    rule = f"one with PIVlab's x, y, u_original and v_original; it has {names}"
     raise unreadable(path, rule, "save PIVlab's results, or write the vectors as a text with four columns")
 
 
@@ -117,7 +118,8 @@ def _netcdf(path: Path, raw: bytes, engine: str) -> Content:
         raise unreadable(path, "one whose x, y, u and v are numbers", _WHOLE) from error
     notes = [
         "pivpy's units (pix) are its defaults, and not taken as said",
-        "pivpy's chc means something else for every source and is not used; exact zeros are not taken as measured",
+        "pivpy's chc means something else for every source and is not used",
+        "exact zeros are not taken as measured",
     ]
     return Content("pivpy", VELOCITY, frames, complete=True, notes=notes)
 

@@ -13,14 +13,17 @@ from ..units import LENGTHS, is_length
 from .content import ANGLE, KYMOGRAPH, SLICE, VELOCITY, Asked, Columns, Content, unreadable
 
 ORDERS = ("row,col", "x,y")
-"""What the two components of an optical flow are: (down, right), as scikit-image; (right, down), as OpenCV."""
+"""The components of an optical flow: (down, right), as scikit-image has it, or (right, down), as OpenCV."""
 PICTURES = ("angles", "kymograph", "slice")
 
 
 def npy(path: Path, raw: bytes, asked: Asked) -> Content:
     """Return what an array of NumPy holds: an optical flow (2, rows, columns) or the like, or a picture."""
     try:
-        array = np.load(io.BytesIO(raw), allow_pickle=False)
+        stream = io.BytesIO(raw)
+        array = np.load(stream, allow_pickle=False)
+        if stream.read(1):
+            raise ValueError("more bytes than the array has")
     except Exception as error:
         raise unreadable(
             path, "an array that is whole, without objects in it", "save it again with numpy.save"

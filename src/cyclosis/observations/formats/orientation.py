@@ -1,4 +1,4 @@
-"""The vector table of OrientationJ: angles of filaments, counter-clockwise with y up, at positions with y down."""
+"""The vector table of OrientationJ: angles counter-clockwise as seen, at positions with y down."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def recognises(text: Text) -> bool:
 
 
 def read(text: Text) -> Content:
-    """Return the vectors of a PIVlab text file. Raises `InputError` if its columns are not x, y, u, v, type."""
+    """Return the vectors of a PIVlab text file. Raises `InputError` if its columns are others."""
     names, values = text.names, text.values
     speed, length, found = None, None, {}
     lowered = [name.lower() for name in names]
@@ -73,7 +73,7 @@ def _unit(name: str) -> str | None:
 
 
 def _calibration(header: list[str], length: str | None) -> tuple[float | None, float | None, list[str]]:
-    """Return the size of a pixel in µm and the time of a frame in s, if the second line of a header has them."""
+    """Return the size of a pixel in µm and the time of a frame in s, if the header tells them."""
     factors = {}
     for line in header:
         for name, number in _FACTORS.findall(line):
@@ -171,7 +171,8 @@ def _frame(path: Path, found: list[Any]) -> Columns:
         kind = np.ones_like(arrays[0]) if found[4] is None else np.asarray(found[4], dtype=np.float64).ravel()
     except (TypeError, ValueError):
         raise unreadable(path, "one whose x, y, u and v are numbers", "save the results again") from None
-    return _columns(path, *arrays, kind)
+    x, y, u, v = arrays
+    return _columns(path, x, y, u, v, kind)
 
 
 def _scalar(value: Any) -> float | None:

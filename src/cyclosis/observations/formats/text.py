@@ -141,7 +141,7 @@ def _fields(line: str, delimiter: str) -> list[str]:
 
 
 def _values(path: Path, lines: list[str], first: int, delimiter: str, comma: bool) -> Array:
-    """Return lines of numbers as an array. Raises `InputError` with the number of the line that does not fit."""
+    """Return lines of numbers as an array. Raises `InputError` for a line that does not fit."""
     if comma:
         lines = [line.replace(",", ".") for line in lines]
     given = None if delimiter == " " else delimiter

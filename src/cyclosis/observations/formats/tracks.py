@@ -155,7 +155,7 @@ def is_xml(text: str) -> bool:
 
 
 def xml(path: Path, text: str) -> Content:
-    """Return the tracks of TrackMate's "tracks to XML". Raises `InputError` for other XML and damaged files."""
+    """Return the tracks of TrackMate's "tracks to XML". Raises `InputError` for any other XML."""
     from xml.etree import ElementTree
 
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
