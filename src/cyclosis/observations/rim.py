@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -69,11 +70,10 @@ def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
     box = number("kernel_px", kernel_px, 1.0, 1000.0, "give the width of the box in pixels")
     smooth = _boxed(picture, round(box))
     every = max(1, max(picture.shape) // LARGEST)
-    rows, columns = np.indices(picture.shape)
-    points = [each[::every, ::every].ravel().astype(float) for each in (columns, rows, smooth)]
-    x, y, light = points
+    pixels: list[Any] = [*np.indices(picture.shape)[::-1], smooth]
+    x, y, light = (each[::every, ::every].ravel().astype(float) for each in pixels)
     best = max((_edges(x, y, light, float(a)) for a in np.arange(-90, 90, 3)), key=_score)
-    x, y, light = [each[::2, ::2].ravel().astype(float) for each in (columns, rows, smooth)]
+    x, y, light = (each[::2, ::2].ravel().astype(float) for each in pixels)
     for step in (1.0, 0.25, 0.05):
         near = [best[1] + step * k for k in range(-4, 5)]
         best = max((_edges(x, y, light, angle) for angle in near), key=_score)
