@@ -103,7 +103,7 @@ class Observation:
     Example:
         >>> import cyclosis as cy
         >>> frame = cy.observations.gridded([0, 50], [0, 50], [[5.0, 5.0]] * 2, [[0.0, 0.0]] * 2)
-        >>> seen = cy.observations.Observation((frame,)).view(radius_px=100.0, centre_px=(0.0, 25.0))
+        >>> seen = cy.observations.Observation((frame,)).view(100.0, 0.0, (0.0, 25.0))
         >>> print(seen.on_surface(n_theta=3, n_z=2)["u"].sel(component="z").values.round(3).squeeze())
         [[0.05 0.05]
          [0.05 0.05]

@@ -41,14 +41,14 @@ class Rim:
 
 
 @door
-def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
+def rim(image: npt.ArrayLike, kernel_px: float = 4.0) -> Rim:
     """Return the place of a straight cell that is brighter or darker than what surrounds it.
 
-    The image (rows, columns), or several (n, rows, columns) of one cell, which are averaged, is smoothed
-    with a box of `kernel_px` pixels. The two parallel edges are sought that separate it best: direction,
-    offset and half the width. A box makes a cell wider by half its width, which is subtracted. Check the
-    result in a picture: radius and axis are those of what is bright. Raises `InputError` if no such edges
-    stand out.
+    Two parallel edges are sought that separate the brightness of the image (rows, columns) best: direction, offset
+    and half the distance. Several images (n, rows, columns) of one cell are averaged. Tracers at the edge make a
+    cell wider by the radius of their images, and so does a filter: half of `kernel_px`, the diameter of a
+    tracer's image or the width of the filter, is subtracted. Check the result in a picture: radius and axis are
+    those of what is bright. Raises `InputError` if no such edges stand out.
 
     Example:
         >>> import numpy as np
@@ -56,7 +56,7 @@ def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
         >>> rows, columns = np.indices((200, 300))
         >>> cell = np.abs(rows - 90.0) < 60.0
         >>> tracers = np.random.default_rng(0).random(cell.shape) < 0.1
-        >>> found = cy.observations.rim(cell & tracers)
+        >>> found = cy.observations.rim(1.0 * (cell & tracers), kernel_px=1.0)
         >>> bool(abs(found.radius_px - 60.0) < 1.5), bool(abs(found.axis_deg) < 0.5)
         (True, True)
     """
@@ -67,10 +67,9 @@ def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
         raise InputError(
             "image", picture, "a finite image of at least 16 x 16 pixels", "give the whole image"
         )
-    box = number("kernel_px", kernel_px, 1.0, 1000.0, "give the width of the box in pixels")
-    smooth = _boxed(picture, round(box))
+    box = number("kernel_px", kernel_px, 0.0, 1000.0, "give the diameter of a tracer in pixels")
     every = max(1, max(picture.shape) // LARGEST)
-    pixels: list[Any] = [*np.indices(picture.shape)[::-1], smooth]
+    pixels: list[Any] = [*np.indices(picture.shape)[::-1], picture]
     x, y, light = (each[::every, ::every].ravel().astype(float) for each in pixels)
     best = max((_edges(x, y, light, float(a)) for a in np.arange(-90, 90, 3)), key=_score)
     x, y, light = (each[::2, ::2].ravel().astype(float) for each in pixels)
@@ -92,12 +91,6 @@ def rim(image: npt.ArrayLike, kernel_px: float = 9.0) -> Rim:
 
 def _score(found: tuple[float, ...]) -> float:
     return found[0]
-
-
-def _boxed(picture: Array, width: int) -> Array:
-    from scipy.ndimage import uniform_filter
-
-    return np.asarray(uniform_filter(picture, width, mode="nearest"))
 
 
 def _edges(x: Array, y: Array, brightness: Array, angle: float) -> tuple[float, ...]:
