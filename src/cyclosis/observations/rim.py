@@ -16,6 +16,8 @@ from ..model.errors import InputError, number
 Array = npt.NDArray[np.float64]
 LARGEST = 200
 """Pixels along a side to which an image is reduced for the first search."""
+FINEST = 1000
+"""The same for the last search."""
 LEAST_CONTRAST = 3.0
 """How many times the spread of the background the brightness within the rim must differ from it."""
 
@@ -44,11 +46,11 @@ class Rim:
 def rim(image: npt.ArrayLike, kernel_px: float = 4.0) -> Rim:
     """Return the place of a straight cell that is brighter or darker than what surrounds it.
 
-    Two parallel edges are sought that separate the brightness of the image (rows, columns) best: direction, offset
-    and half the distance. Several images (n, rows, columns) of one cell are averaged. Tracers at the edge make a
-    cell wider by the radius of their images, and so does a filter: half of `kernel_px`, the diameter of a
-    tracer's image or the width of the filter, is subtracted. Check the result in a picture: radius and axis are
-    those of what is bright. Raises `InputError` if no such edges stand out.
+    Two parallel edges are sought that separate the brightness of the image (rows, columns) best: direction,
+    offset and half the distance. Several images (n, rows, columns) of one cell are averaged. Tracers at the
+    edge make a cell wider by the radius of their images, and so does a filter: half of `kernel_px`, the
+    diameter of a tracer's image or the width of the filter, is subtracted. Check the result in a picture:
+    radius and axis are those of what is bright. Raises `InputError` if no such edges stand out.
 
     Example:
         >>> import numpy as np
@@ -69,10 +71,11 @@ def rim(image: npt.ArrayLike, kernel_px: float = 4.0) -> Rim:
         )
     box = number("kernel_px", kernel_px, 0.0, 1000.0, "give the diameter of a tracer in pixels")
     every = max(1, max(picture.shape) // LARGEST)
+    fine = max(1, max(picture.shape) // FINEST)
     pixels: list[Any] = [*np.indices(picture.shape)[::-1], picture]
     x, y, light = (each[::every, ::every].ravel().astype(float) for each in pixels)
     best = max((_edges(x, y, light, float(a)) for a in np.arange(-90, 90, 3)), key=_score)
-    x, y, light = (each[::2, ::2].ravel().astype(float) for each in pixels)
+    x, y, light = (each[::fine, ::fine].ravel().astype(float) for each in pixels)
     for step in (1.0, 0.25, 0.05):
         near = [best[1] + step * k for k in range(-4, 5)]
         best = max((_edges(x, y, light, angle) for angle in near), key=_score)
