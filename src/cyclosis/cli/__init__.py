@@ -36,9 +36,8 @@ app.add_typer(theory, name="stability")
 command(app, "experiment list", "experiment recovery --quick")(experiment)
 command(
     app,
-    "measure field.txt",
-    "measure field.txt --y down --speed px/frame --frame-s 0.3 --pixel-um 5 "
-    "--radius-um 500 --axis 17 --centre 30,225 --out cell.nc --out cell.png",
+    "measure field.txt --y down --speed px/s",
+    "measure f.vec --radius-um 500 --axis 17 --centre 30,225 -o cell.nc",
 )(measure)
 command(app, "compare cell.nc run.nc --out compared.png")(compare)
 command(app, "explore")(explore)

@@ -38,7 +38,7 @@ def _option(*names: str, metavar: str, help: str, group: str) -> Any:
 def measure(
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="FILE...", help="Files of one kind: successive times.", show_default=False),
+        typer.Argument(metavar="FILE", help="Files of one kind: successive times.", show_default=False),
     ],
     radius_um: Annotated[
         float | None,
