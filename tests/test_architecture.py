@@ -26,6 +26,7 @@ ORDER = [
     "ensemble",
     "sweep",
     "figures",
+    "observations",
     "experiments",
     "explorer",
     "traced",

@@ -29,6 +29,7 @@ ON_CLOSED = {"grid": CLOSED, "state": np.zeros((2, *CLOSED.shape)), "m": 1, "ran
 MODULES = (
     *(cy, cy.stability, cy.stability.dispersion, cy.stability.elliptic, cy.stability.profile),
     *(cy.zones, cy.diagnostics, cy.initial, bumps, cy.ensemble, cy.regions, cy.vacuole, cy.closed),
+    cy.observations,
 )
 API = Path(__file__).parents[1] / "docs" / "api"
 DOCUMENTED = re.compile(r"^\.\. autofunction:: (cyclosis\.figures\.\w+)\.(\w+)$", re.MULTILINE)
@@ -76,6 +77,26 @@ EXAMPLES = {
     **{"starts": [[0.5, 0.0, 0.0]], "save_at": [1.0], "order": 3, "refine": 1, "n_s": 16, "region": None},
     **{"transport": None, "peclets": [1.0, 10.0], "tracers": 2},
     **{"source": GRID, "t": 0.0, "radii": [0.0, 1.0], "a": 1.0, "b": 1.0},
+    **{
+        "image": np.eye(32),
+        "columns": 1,
+        "rows": 1,
+        "kernel_px": 9.0,
+        "obs": None,
+        "measured": None,
+        "data": None,
+    },
+    **{"vx": np.ones((16, 16)), "vy": np.ones((16, 16)), "good": None, "simulated": None, "format": None},
+    **{"frame_s": 0.3, "pixel_um": 5.0, "every_s": 1.0, "step_px": 1.0, "noise_px": 0.1, "window_px": 32.0},
+    **{
+        "origin_px": (0.0, 0.0),
+        "focus_um": [0.0],
+        "line_px": None,
+        "max_gap": 3,
+        "speed": 1.0,
+        "mirrored": False,
+    },
+    **{"max_angle_deg": 80.0, "outside": "drop", "depth_um": 100.0, "scales": None, "depth_px": 10.0},
     **{"thickness_to_radius": 0.4, "no_slip_walls": 1, "ribbons": None, "figure": None},
 }
 
@@ -90,7 +111,10 @@ def public(module):
     for name in names:
         value = getattr(module, name)
         home = getattr(value, "__module__", "")
-        own = module in (cy, cy.stability, cy.ensemble, cy.regions, cy.vacuole) or home == module.__name__
+        own = (
+            module in (cy, cy.stability, cy.ensemble, cy.regions, cy.vacuole, cy.observations)
+            or home == module.__name__
+        )
         if isinstance(value, types.FunctionType) and home.startswith("cyclosis.") and own:
             yield value
 

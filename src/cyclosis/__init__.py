@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from . import ensemble as ensemble
     from . import kinetic as kinetic
     from . import models as models
+    from . import observations as observations
     from . import stability as stability
     from . import traced as traced
     from . import vacuole as vacuole
@@ -117,6 +118,7 @@ _MODULES = {
     "initial": "model.initial",
     "kinetic": "kinetic",
     "models": "models",
+    "observations": "observations",
     "regions": "model.regions",
     "stability": "stability",
     "traced": "traced",

@@ -16,6 +16,7 @@ from . import runs, terminal
 from .experiments import experiment
 from .explorer import explore
 from .figures import figures
+from .measured import compare, measure
 from .options import command, commands
 from .sweeps import sweeps
 from .theory import theory
@@ -33,6 +34,12 @@ app.add_typer(figures, name="figure")
 app.add_typer(sweeps, name="sweep")
 app.add_typer(theory, name="stability")
 command(app, "experiment list", "experiment recovery --quick")(experiment)
+command(
+    app,
+    "measure field.txt --y down --speed px/s",
+    "measure f.vec --radius-um 500 --axis 17 --centre 30,225 -o cell.nc",
+)(measure)
+command(app, "compare cell.nc run.nc --out compared.png")(compare)
 command(app, "explore")(explore)
 command(
     app,

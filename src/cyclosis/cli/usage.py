@@ -149,4 +149,5 @@ def _unusable(error: Any, words: list[str]) -> InputError:
 
 
 def _bare(piece: str) -> str:
-    return piece[1:-1] if piece[:1] == "{" and piece[-1:] == "}" else piece
+    bare = piece.removesuffix("...")
+    return bare[1:-1] + piece[len(bare) :] if bare[:1] == "{" and bare[-1:] == "}" else piece
