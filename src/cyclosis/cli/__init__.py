@@ -16,6 +16,7 @@ from . import runs, terminal
 from .experiments import experiment
 from .explorer import explore
 from .figures import figures
+from .observe import observe
 from .options import command, commands
 from .sweeps import sweeps
 from .theory import theory
@@ -40,6 +41,12 @@ command(
     "vacuole run.nc --time 20 --section 2.5 --out inside --volume",
     "vacuole run.nc --uptake --dispersion --poincare --dye 50 --gif",
 )(vacuole)
+command(
+    app,
+    "observe run.nc --as piv --axis 17 --times 6,40 --format pivlab",
+    "observe run.nc --as film --depth-um 120 --chloroplasts --format mp4 --out film",
+    "observe run.nc --as kymograph --at 20 --frames 200 --mirrored",
+)(observe)
 
 
 def _version(show: bool) -> None:
