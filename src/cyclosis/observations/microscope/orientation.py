@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ...model.errors import number, whole
 from .body import Array, Body, chosen
 from .camera import Camera
-from .render import exposed, in_picture, lines, shaded
+from .render import exposed, lines, shaded
 
 FILAMENTS_PER_PX = 0.006
 FILAMENT = 0.22
@@ -48,8 +48,7 @@ def orientation(
     for t in when:
         xyz = body.scattered(count, rng)
         direction = _directions(body, xyz, float(t), rng)
-        all_, own = in_picture(camera, body, xyz)
-        picture = lines(camera, body, all_, direction[:, own[0]], FILAMENT, POINTS)
+        picture = lines(camera, body, xyz, direction, FILAMENT, POINTS)
         usual = max(float(np.percentile(picture, BRIGHTEST)), 1e-12)
         image = exposed(glow + 200.0 / usual * picture, rng)
         angle, coherency, energy = structure(image.astype(float))

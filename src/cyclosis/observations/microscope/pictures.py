@@ -183,7 +183,7 @@ def _tracks(recording: Recording) -> Figure:
 def _orientation(recording: Recording) -> Figure:
     data, camera = recording.data, recording.camera
     figure, (above, below) = _canvas(camera, 2)
-    image = data["image"].values[-1]
+    image = data["image"].values[-1].astype(float)
     above.imshow(image, cmap="gray", aspect="auto", vmax=np.percentile(image, 99.8))
     outline(above, camera, _ends(recording), MARK)
     _scale(above, camera, "white")

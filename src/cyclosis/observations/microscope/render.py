@@ -69,7 +69,7 @@ def drawn(size: tuple[int, int], x: Array, y: Array, width: Array, height: Array
     values = total[:, None, None] * parts[1][:, :, None] * parts[0][:, None, :]
     index = places[1][:, :, None] * columns + places[0][:, None, :]
     picture = np.bincount(index.ravel(), weights=values.ravel(), minlength=rows * columns)
-    return picture.reshape(rows, columns)
+    return np.asarray(picture, dtype=np.float64).reshape(rows, columns)
 
 
 def exposed(picture: Array, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
