@@ -1,0 +1,255 @@
+"""A measurement beside a run: the shift, rotation, mirror and time that fit best, and what is left."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..display.notebook import text_tree
+from ..model.doors import door
+from ..model.errors import InputError, number
+from .model_field import Array, ModelFlow, model_flow
+from .observation import Observation
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+LEAST_POINTS = 20
+"""Measured values that a comparison needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """How a run fits a measurement.
+
+    The measured point (θ, z) is the point (±(θ - `rotation`), z - `shift`) of the run, with the minus sign if
+    `mirrored`; rotation in radians, shift in radii. `time` is the run's time of the first measured frame, in
+    R/U, and `speed` the U of the run in the unit of the measured speeds (1 if that is U). `rms` is what is left,
+    in units of the noise, NaN if that is not known: 1 for a run that tells all. `rms_of_peak` is the same as a
+    share of the run's largest speed. `other_mirror` is how many times larger what is left is with the best fit
+    of the other mirror image: near 1, the measurement does not tell them apart. `dataset` holds `measured`,
+    `model` and `residual` (time, component, theta, z), the residual in units of the noise, or of the peak.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0)
+        >>> seen = run.to_dataset().isel(time=[1], theta=slice(3, 12))[["u"]]
+        >>> fit = cy.observations.compare(seen, run)
+        >>> fit.time, round(fit.speed, 6), bool(fit.rms_of_peak < 1e-6)
+        (1.0, 1.0, True)
+    """
+
+    rotation: float
+    shift: float
+    mirrored: bool
+    time: float
+    speed: float
+    rms: float
+    rms_of_peak: float
+    other_mirror: float
+    dataset: xarray.Dataset
+
+    def figure(self) -> Figure:
+        """Return the figure measured | model | residual, of the first frame.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+            >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0)
+            >>> fit = cy.observations.compare(run.to_dataset().isel(time=[1])[["u"]], run)
+            >>> len(fit.figure().axes) >= 3
+            True
+        """
+        from ..figures.measured import comparison
+
+        return comparison(self.dataset)
+
+    def __repr__(self) -> str:
+        noise = f"{self.rms:.3g} of the noise, " if np.isfinite(self.rms) else ""
+        other = f"the other mirror image leaves {self.other_mirror:.3g} times as much"
+        rows = [
+            ("rotation", f"{self.rotation:.4f} rad"),
+            ("shift", f"{self.shift:.4f} R"),
+            ("mirrored", f"{'yes' if self.mirrored else 'no'} ({other})"),
+            ("time", f"{self.time:g} R/U"),
+            ("speed U", f"{self.speed:.5g} {self.dataset.attrs.get('speed_unit', '')}".rstrip()),
+            ("residual", f"{noise}{self.rms_of_peak:.2%} of the peak (rms)"),
+        ]
+        return text_tree("Comparison of a measurement with a run", rows)
+
+
+@door
+def compare(
+    measured: Any,
+    simulated: Any,
+    *,
+    time: float | None = None,
+    speed: float | None = None,
+    mirrored: bool | None = None,
+) -> Comparison:
+    """Return the best fit of a run to a measured flow: shift along z, rotation, mirror image, time and speed.
+
+    `measured` is an `Observation` with a view, a dataset of `on_surface`, or the path of a file of `cyclosis
+    measure`; `simulated` a run: a `Trajectory`, its dataset or its file. The weighted squares of the difference are
+    minimised: over all shifts and rotations by Fourier transforms, then continuously, with the run's
+    trigonometric interpolant at the measured points. `time` fixes the run's time of the first frame (by default
+    all saved times are tried), `speed` the U of the run in the unit of the measured speeds, and `mirrored` one
+    of the mirror images. Several measured frames are compared together, with the run's time passing at the
+    rate that the speed implies. Raises `InputError` for angles without a flow, which have no polarity, for too
+    few values, and for runs without a flow.
+
+    Example: half of a cell, turned by one radian.
+        >>> import numpy as np
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> P = cy.initial.disordered(grid, seed=1)
+        >>> run = cy.simulate(params, grid, P, t_end=4.0)
+        >>> seen = run.to_dataset().isel(time=[4], theta=slice(2, 11))[["u"]]
+        >>> turned = seen.assign_coords(theta=seen["theta"] + 1.0)
+        >>> fit = cy.observations.compare(turned, run)
+        >>> round(fit.rotation, 3), abs(round(fit.shift, 3)), fit.mirrored, fit.time
+        (1.0, 0.0, False, 4.0)
+    """
+    data = _measured(measured)
+    u, sigma, theta, z = _values(data)
+    if speed is not None:
+        speed = number("speed", speed, 1e-12, 1e12, "give U in the unit of the measured speeds")
+    elif data["u"].attrs.get("units", "1") == "1":
+        speed = 1.0
+    flow = model_flow(simulated)
+    times = np.asarray(data["time"].values, dtype=np.float64)
+    weights = np.where(
+        np.isfinite(u), 1.0 / (sigma[None, :, :, None] if sigma is not None else np.ones(1)) ** 2, 0.0
+    )
+    filled = np.where(np.isfinite(u), u, 0.0)
+    found: dict[bool, tuple[float, float, Array, float, Array]] = {}
+    for mirror in (False, True) if mirrored is None else (bool(mirrored),):
+        found[mirror] = _best(flow, filled, weights, theta, z, times - times[0], time, speed, mirror)
+    mirror = min(found, key=lambda key: found[key][0])
+    cost, t0, (turn, shift), U, model = found[mirror]
+    count = int((weights > 0).sum())
+    peak = flow.peak * U
+    difference = np.where(np.isfinite(u), u - model, np.nan)
+    unit = np.float64(peak) if sigma is None else sigma[None, :, :, None]
+    others = [np.sqrt(found[key][0] / max(cost, 1e-300)) for key in found if key != mirror]
+    residual = difference / unit
+    out = _dataset(data, u, np.where(np.isfinite(u), model, np.nan), residual, sigma is not None)
+    rms = float(np.sqrt(np.nansum(residual**2) / count)) if sigma is not None else float("nan")
+    return Comparison(
+        float(np.mod(turn + np.pi, 2 * np.pi) - np.pi),
+        float(shift - flow.length * np.round(shift / flow.length)),
+        mirror,
+        t0,
+        U,
+        rms,
+        float(np.sqrt(np.nansum(difference**2) / count)) / peak,
+        float(others[0]) if others else float("nan"),
+        out,
+    )
+
+
+def _measured(measured: Any) -> Any:
+    import xarray
+
+    from .read import read
+
+    if isinstance(measured, str | os.PathLike):
+        measured = read(measured)
+    if isinstance(measured, Observation):
+        measured = measured.on_surface()
+    if not isinstance(measured, xarray.Dataset):
+        rule = "an Observation with a view, its dataset on the surface, or a file of `cyclosis measure`"
+        raise InputError("measured", type(measured).__name__, rule, "measure it first")
+    return measured
+
+
+def _values(data: Any) -> tuple[Array, Array | None, Array, Array]:
+    """Return u, its noise (component, theta) or None, theta and z of a measurement."""
+    if "u" not in data:
+        rule = "a measurement with a flow: an angle has no polarity, which only the flow tells"
+        raise InputError("measured", list(data.data_vars), rule, "measure the flow as well")
+    if set(data["u"].dims) != {"time", "component", "theta", "z"} or data.sizes["component"] != 2:
+        rule = "u over (time, component, theta, z)"
+        raise InputError("measured", list(data["u"].dims), rule, "use a dataset of `on_surface`")
+    u = np.asarray(data["u"].transpose("time", "component", "theta", "z").values, dtype=np.float64)
+    if np.isfinite(u).sum() < LEAST_POINTS:
+        rule = f"one with at least {LEAST_POINTS} values"
+        raise InputError("measured", int(np.isfinite(u).sum()), rule, "check its mask and view")
+    theta, z = (np.asarray(data[name].values, dtype=np.float64) for name in ("theta", "z"))
+    sigma = None
+    if "sigma" in data:
+        sigma = np.asarray(data["sigma"].transpose("component", "theta").values, dtype=np.float64)
+        if not (np.isfinite(sigma).all() and (sigma > 0).all()):
+            sigma = None
+    return u, sigma, theta, z
+
+
+def _best(
+    flow: ModelFlow,
+    u: Array,
+    weights: Array,
+    theta: Array,
+    z: Array,
+    later: Array,
+    time: float | None,
+    speed: float | None,
+    mirror: bool,
+) -> tuple[float, float, Array, float, Array]:
+    """Return the cost, the time, (rotation, shift), U and the model's values of the best fit."""
+    from scipy.optimize import minimize
+
+    starts = (
+        flow.times if time is None else np.array([number("time", time, *flow.span, "use a time of the run")])
+    )
+    pace = 1.0 if speed is None else speed
+    best = (np.inf, 0.0, np.zeros(2))
+    for attempt in range(2 if speed is None and later.size > 1 else 1):
+        best = (np.inf, 0.0, np.zeros(2))
+        for t0 in starts:
+            frames = flow.at(t0 + later * pace, mirror)
+            cost, turn, shift, U = flow.coarse(frames, u, weights, theta, z, speed)
+            if cost < best[0]:
+                best, found = (cost, float(t0), np.array([turn, shift])), U
+        if attempt == 0 and speed is None:
+            pace = found
+    frames = flow.at(best[1] + later * pace, mirror)
+
+    def cost_at(place: Array) -> float:
+        return flow.fitted(frames, place, u, weights, theta, z, speed)[0]
+
+    step = np.array([[0.0, 0.0], [2 * np.pi / flow.shape[0], 0.0], [0.0, flow.length / flow.shape[1]]])
+    options = {"xatol": 1e-7, "fatol": 1e-12 * float((weights * u**2).sum()), "maxiter": 400}
+    done = minimize(
+        cost_at, best[2], method="Nelder-Mead", options=options | {"initial_simplex": best[2] + 0.5 * step}
+    )
+    cost, U, model = flow.fitted(frames, done.x, u, weights, theta, z, speed)
+    return cost, best[1], done.x, U, model
+
+
+def _dataset(data: Any, u: Array, model: Array, residual: Array, in_noise: bool) -> Any:
+    import xarray
+
+    dims, unit = ("time", "component", "theta", "z"), data["u"].attrs.get("units", "1")
+    told = "the noise" if in_noise else "the peak"
+    out = xarray.Dataset(
+        {
+            "measured": (dims, u, {"long_name": "measured velocity", "units": unit}),
+            "model": (dims, model, {"long_name": "velocity of the run", "units": unit}),
+            "residual": (
+                dims,
+                residual,
+                {"long_name": f"measured - model, in units of {told}", "units": "1"},
+            ),
+        },
+        {name: data[name] for name in dims if name in data.coords},
+        {
+            **data.attrs,
+            "speed_unit": "" if unit == "1" else unit.replace("s-1", "R/s").replace("frame-1", "R/frame"),
+        },
+    )
+    return out
