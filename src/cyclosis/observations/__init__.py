@@ -7,6 +7,7 @@ data = seen.on_surface()                                             # an xarray
 
 from .compare import Comparison as Comparison
 from .compare import compare as compare
+from .film import film as film
 from .formats import FORMATS as FORMATS
 from .kymograph import LineSpeeds as LineSpeeds
 from .kymograph import line_speeds as line_speeds

@@ -33,7 +33,7 @@ def tiff(pictures: Any, per_x: float, unit: str, path: Path, *, per_y: float = 0
     for tag, per in ((_X, per_x), (_Y, per_y or per_x)):
         tags[tag] = IFDRational(*Fraction(per).limit_denominator(10**6).as_integer_ratio())
     tags[_UNIT] = 1
-    with open(path, "wb") as file:
+    with open(path, "w+b") as file:  # Pillow reads what it has written
         pages[0].save(file, "TIFF", save_all=True, append_images=pages[1:], tiffinfo=tags)
 
 

@@ -17,6 +17,8 @@ WIDEST = 3.0
 """Spots wider than this many sharp ones are lost in the background."""
 BACKGROUND, BRIGHT = 18.0, 170.0
 """Grey levels of the background and of the middle of a sharp spot of usual brightness, of 255."""
+CHLOROPLAST = 40.0
+"""Grey levels of each of the three spots that make a chloroplast."""
 GAIN = 0.35
 """Grey levels per square root of a grey level of photon noise; together with `READ` the noise of a camera."""
 READ = 1.5
@@ -103,7 +105,7 @@ def chloroplasts(camera: Camera, body: Body, rng: np.random.Generator) -> Array:
         # A row of overlapping spots along the axis makes an oval.
         for shift in (-0.05, 0.0, 0.05):
             part = xyz + np.array([[0.0], [0.0], [shift]])
-            found = spots(camera, body, part, np.full(part.shape[1], 16.0))
+            found = spots(camera, body, part, np.full(part.shape[1], CHLOROPLAST))
             wide = np.full(found[0].shape, 0.035 * camera.view.radius_px)
             picture += drawn(camera.size_px, found[0], found[1], wide, found[3])
     return picture
