@@ -21,6 +21,8 @@ PAIRS = 60
 """Pairs of frames that are measured if nothing is given."""
 SAME = 1e-6
 """Relative difference below which a frame is a copy of the one before."""
+LEAST, NOISY = 0.1, 3.0
+"""Nothing moves if the fastest samples move by less than this, in pixels and in units of their noise."""
 SLOW = 0.5
 """Displacement in pixels per pair below which a note says that frames further apart would be better."""
 
@@ -105,8 +107,13 @@ def film(
         remedy = "record more frames a second, or leave out every"
         raise InputError("file", str(path), rule, remedy)
     scatter = _noise(clear, when, noise, live, shot.binned)
-    way = float(np.median(np.concatenate([_moved(frame)[frame.good] for frame in seen])))
-    way *= float(np.median(np.diff(when)))
+    ways = np.concatenate([_moved(frame)[frame.good] for frame in seen]) * float(np.median(np.diff(when)))
+    way, fastest = float(np.median(ways)), float(np.percentile(ways, 95))
+    least = max(LEAST * shot.binned, NOISY * (scatter or 0.0))
+    if fastest < least:
+        rule = f"a film in which something moves by {least:.2g} pixels from frame to frame, above the noise"
+        remedy = "take frames further apart (every)"
+        raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
     if way < SLOW * shot.binned:
         notes.append(
             f"half of the displacements are below {way:.2g} pixels; frames further apart (every) are better"

@@ -62,7 +62,7 @@ def drift(pictures: Fields) -> Array:
 
 
 def _shift(before: Fields, after: Fields) -> Array | None:
-    """Return how far the second picture lies from the first one, right and down in pixels; None if unknown."""
+    """Return how far the second picture lies from the first, right and down in pixels; None if unknown."""
     rows, columns = before.shape
     window = np.outer(np.hanning(rows), np.hanning(columns)).astype(np.float32)
     moved, _, _ = registration().phase_cross_correlation(

@@ -90,8 +90,8 @@ def kymograph(
     choice("line", line, ("along", "across"))
     count = whole("frames", frames or FRAMES["kymograph"], 2, MOST_FRAMES, "give a number of frames")
     broad = number("width_px", width_px, 0.0, 100.0, "give the width of the line in pixels")
-    times = span(body, camera, start, count)
     x, y, places, phi, z = _line(body, camera, line, at)
+    times = span(body, camera, start, count)
     normal = camera.view.e_across if line == "along" else camera.view.e_z
     offsets = np.linspace(-0.5, 0.5, max(1, round(broad))) * broad
     where = [
