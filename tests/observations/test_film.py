@@ -96,7 +96,7 @@ def test_stacks_are_read(tmp_path):
 def test_files_that_are_no_films(content, tmp_path):
     path = tmp_path / "film.avi"
     path.write_bytes(content)
-    with pytest.raises(cy.InputError, match=r"film\.avi"):
+    with pytest.raises(cy.InputError, match="a film that can be read"):
         reading.read(path, (0, None), 1, "luma")
     with pytest.raises(cy.InputError, match="check the path"):
         reading.read(Path("nowhere.mp4"), (0, None), 1, "luma")
@@ -124,8 +124,8 @@ def test_the_light_is_made_even():
     texture = rng.normal(size=(80, 90)).astype(np.float32)
     lamp = np.linspace(60, 140, 90)
     even = moving.flattened(np.stack([lamp + 5 * texture, 0.6 * lamp + 3 * texture]).astype(np.float32))
-    np.testing.assert_allclose(np.corrcoef(even[0].ravel(), even[1].ravel())[0, 1], 1.0, atol=0.01)
-    assert abs(even[:, :, :30].mean() - even[:, :, 60:].mean()) < 0.01
+    assert np.corrcoef(even[0].ravel(), even[1].ravel())[0, 1] > 0.95
+    assert abs(even[:, :, 20:40].mean() - even[:, :, 50:70].mean()) < 0.05
 
 
 @pytest.mark.slow

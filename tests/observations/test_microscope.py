@@ -325,7 +325,7 @@ def test_a_closed_cell_is_seen_from_the_side():
     assert 0.3 < good.mean() < 0.8
     # With +z up, the near side moves to the right, by its distance from the plane of the rim.
     ahead = camera.out @ xyz[:, good]
-    deep = ahead > 0.4
+    deep = ahead > 0.7  # nearer to the rim, windows average over more of the curved surface
     expected = ahead[deep] * camera.px_per_frame
     np.testing.assert_allclose(seen.data["vx"].values[0][good][deep], expected, rtol=0.05)
     np.testing.assert_allclose(seen.data["vy"].values[0][good], 0.0, atol=0.03)

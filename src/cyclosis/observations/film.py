@@ -21,8 +21,8 @@ PAIRS = 60
 """Pairs of frames that are measured if nothing is given."""
 SAME = 1e-6
 """Relative difference below which a frame is a copy of the one before."""
-LEAST, NOISY = 0.1, 3.0
-"""Nothing moves if the fastest samples move by less than this, in pixels and in units of their noise."""
+LEAST, NOISY, FAST = 0.1, 3.0, 75
+"""Nothing moves if this percentile is below so many pixels, or so many times the noise of one component."""
 SLOW = 0.5
 """Displacement in pixels per pair below which a note says that frames further apart would be better."""
 
@@ -108,7 +108,7 @@ def film(
         raise InputError("file", str(path), rule, remedy)
     scatter = _noise(clear, when, noise, live, shot.binned)
     ways = np.concatenate([_moved(frame)[frame.good] for frame in seen]) * float(np.median(np.diff(when)))
-    way, fastest = float(np.median(ways)), float(np.percentile(ways, 95))
+    way, fastest = float(np.median(ways)), float(np.percentile(ways, FAST))
     least = max(LEAST * shot.binned, NOISY * (scatter or 0.0))
     if fastest < least:
         rule = f"a film in which something moves by {least:.2g} pixels from frame to frame, above the noise"

@@ -19,7 +19,7 @@ GAIN = 0.02
 """By how much a shift must make two medians more alike, as a share of what they lack."""
 TILES = 5
 """Parts of a picture, in each direction, that must agree on a drift."""
-AGREE, MAJORITY = 0.75, 0.5
+AGREE, MAJORITY = 0.75, 0.6
 """Pixels within which a part agrees, and the share of the texture that must."""
 LIKENESS = 0.3
 """Least correlation of two shifted medians."""
