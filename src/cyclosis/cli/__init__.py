@@ -44,7 +44,7 @@ command(
 command(
     app,
     "observe run.nc --as piv --axis 17 --times 6,40 --format pivlab",
-    "observe run.nc --as film --depth-um 120 --chloroplasts --format mp4 --out film",
+    "observe run.nc --as film --depth-um 120 --format mp4 --out film",
     "observe run.nc --as kymograph --at 20 --frames 200 --mirrored",
 )(observe)
 
