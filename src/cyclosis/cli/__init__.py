@@ -17,6 +17,7 @@ from .experiments import experiment
 from .explorer import explore
 from .figures import figures
 from .measured import compare, measure
+from .observe import observe
 from .options import command, commands
 from .sweeps import sweeps
 from .theory import theory
@@ -47,6 +48,12 @@ command(
     "vacuole run.nc --time 20 --section 2.5 --out inside --volume",
     "vacuole run.nc --uptake --dispersion --poincare --dye 50 --gif",
 )(vacuole)
+command(
+    app,
+    "observe run.nc --as piv --axis 17 --times 6,40 --format pivlab",
+    "observe run.nc --as film --depth-um 120 --format mp4 --out film",
+    "observe run.nc --as kymograph --at 20 --frames 200 --mirrored",
+)(observe)
 
 
 def _version(show: bool) -> None:

@@ -30,6 +30,8 @@ _locks: dict[frozenset[Kind], threading.Lock] = {}
 
 CLOSED = 4
 """The memory that programs of a closed cell take, over that of those of a cylinder."""
+AHEAD = MOST_KINDS - CLOSED
+"""How many kinds may be compiled in advance: a visitor's closed cell fits beside them."""
 
 
 def taken(kinds: set[Kind]) -> int:
@@ -126,7 +128,7 @@ class Work:
         """Compile what a set-up needs before anyone requests it, in a thread of low priority."""
         ready = await _within(self.ahead, begun.ready)
         needed = {kind_at(ready.schedule, ready.grid)}
-        if not needed <= _compiled and taken(_compiled | needed) <= MOST_KINDS // 2:
+        if not needed <= _compiled and taken(_compiled | needed) <= AHEAD:
             await _within(self.ahead, lambda: self._prepared(needed, lambda: Session(begun, ready)))
 
     def _sentence(self, what: str) -> str:

@@ -7,9 +7,12 @@ data = seen.on_surface()                                             # an xarray
 
 from .compare import Comparison as Comparison
 from .compare import compare as compare
+from .film import film as film
 from .formats import FORMATS as FORMATS
 from .kymograph import LineSpeeds as LineSpeeds
 from .kymograph import line_speeds as line_speeds
+from .microscope.observe import Recording as Recording
+from .microscope.observe import observe as observe
 from .observation import Frame as Frame
 from .observation import Observation as Observation
 from .observation import gridded as gridded

@@ -1,0 +1,231 @@
+"""Velocities from a film itself: it is read, steadied, and what moves in it is measured."""
+
+from __future__ import annotations
+
+import os
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.doors import door
+from ..model.errors import InputError, flag, number, whole
+from .films import moving, reading, steady
+from .films.reading import Film
+from .observation import Frame, Observation, gridded
+
+Array = npt.NDArray[np.float64]
+
+PAIRS = 60
+"""Pairs of frames that are measured if nothing is given."""
+SAME = 1e-6
+"""Relative difference below which a frame is a copy of the one before."""
+LEAST, NOISY, FAST = 0.1, 3.0, 75
+"""Nothing moves if this percentile is below so many pixels, or so many times the noise of one component."""
+SLOW = 0.5
+"""Displacement in pixels per pair below which a note says that frames further apart would be better."""
+
+
+@door
+def film(
+    path: str | os.PathLike[str],
+    *,
+    frame_s: float | None = None,
+    pixel_um: float | None = None,
+    frames: tuple[int, int | None] | None = None,
+    every: int = 1,
+    pairs: int | None = None,
+    step_px: int = 8,
+    steady_stage: bool = True,
+    light: str = "luma",
+) -> Observation:
+    """Return the velocities in a film, an `Observation` on a grid of its pictures.
+
+    Videos (.avi, .mp4, .mov, .gif and others) and stacks of TIFF pictures are read. Each frame is rid of slow
+    variations of light and brought to the same contrast; the drift of the stage is taken out as far as
+    something in the picture stands still; what stands still in at least 16 frames is subtracted.
+    Displacements between successive frames are those of scikit-image's iterative Lucas-Kanade optical flow,
+    forward and backward. Samples are good where both agree, where the texture is stronger than noise, and
+    where the next frame, moved back, resembles the first one.
+
+    `frame_s` is the time between two frames of the film; without it that of the file is taken, which is the
+    rate of playing. A TIFF stack without it gives velocities per frame. `frames` is a span (first, last) and
+    `every` takes one frame in so many. At most `pairs` (60) pairs of successive frames are measured, spread
+    evenly over the film. `step_px` is the distance of samples. `light` is the colour that is used: luma, red,
+    green or blue. `noise_px` of the result is the noise of one displacement, from three successive pairs.
+    Needs scikit-image (`pip install 'cyclosis[film]'`), and tifffile for TIFF (`cyclosis[data]`). Raises
+    `InputError` in one sentence for films that cannot be read, that have fewer than two frames, or in which
+    nothing moves.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=2.0)
+        >>> view = cy.observations.View(radius_px=40.0)
+        >>> shot = cy.observations.observe(run, view, "film", pixel_um=12.5, frames=4)
+        >>> paths = shot.write("shot", "avi")
+        >>> seen = cy.observations.film("shot/film.avi", frame_s=0.3)  # doctest: +SKIP
+        >>> seen.time_unit, len(seen.frames)  # doctest: +SKIP
+        ('s', 3)
+    """
+    start, stop = _span(frames)
+    step = whole("every", every, 1, 100_000, "take one frame in so many")
+    most = whole("pairs", PAIRS if pairs is None else pairs, 1, 1_000_000, "give a number of pairs")
+    apart = whole("step_px", step_px, 1, 512, "give the distance of samples in pixels")
+    flag("steady_stage", steady_stage)
+    moving.registration()
+    shot = reading.read(Path(path), (start, stop), step, light)
+    times, unit, notes = _times(shot, frame_s, step)
+    size = shot.pixel_um
+    if pixel_um is not None:
+        size = number("pixel_um", pixel_um, 1e-6, 1e6, "give the size of a pixel in micrometres")
+    kept = _distinct(shot.pictures)
+    if kept.size < len(shot.pictures):
+        notes.append(f"{len(shot.pictures) - kept.size} frames are copies of those before, and were left out")
+    if kept.size < 2:
+        rule = "a film in which something moves: all frames are the same"
+        raise InputError("file", str(path), rule, "choose another film")
+    prepared = moving.flattened(shot.pictures[kept])
+    when = times[kept]
+    places = steady.drift(prepared) if steady_stage else np.zeros((kept.size, 2))
+    prepared = steady.steadied(prepared, places)
+    if places.any():
+        far = shot.binned * float(np.hypot(*(places.max(axis=0) - places.min(axis=0))))
+        notes.append(f"the stage drifted by {far:.1f} pixels, which was taken out")
+    picture = steady.steadied(shot.pictures[kept][:40], places[:40]).mean(axis=0)
+    noise = moving.camera_noise(prepared)
+    clear, _ = moving.without_still(prepared)
+    live = moving.moves(clear, noise)
+    if live.mean() < moving.EMPTY:
+        rule = "a film in which something moves: its light does not change by more than its noise"
+        remedy = "take frames further apart, or a sharper film"
+        raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
+    seen = _measured(clear, when, noise, live, most, apart, shot.binned)
+    if not any(frame.good.any() for frame in seen):
+        rule = "a film whose frames resemble each other, moved by less than about 20 pixels"
+        remedy = "record more frames a second, or leave out every"
+        raise InputError("file", str(path), rule, remedy)
+    scatter = _noise(clear, when, noise, live, shot.binned)
+    ways = np.concatenate([_moved(frame)[frame.good] for frame in seen]) * float(np.median(np.diff(when)))
+    way, fastest = float(np.median(ways)), float(np.percentile(ways, FAST))
+    least = max(LEAST * shot.binned, NOISY * (scatter or 0.0))
+    if fastest < least:
+        rule = f"a film in which something moves by {least:.2g} pixels from frame to frame, above the noise"
+        remedy = "take frames further apart (every)"
+        raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
+    if way < SLOW * shot.binned:
+        notes.append(
+            f"half of the displacements are below {way:.2g} pixels; frames further apart (every) are better"
+        )
+    return Observation(
+        tuple(seen),
+        time_unit=unit,
+        pixel_um=size,
+        frame_s=float(np.median(np.diff(when))) if unit == "s" else None,
+        noise_px=scatter,
+        format="film",
+        source=str(path),
+        notes=(*shot.notes, *notes),
+        image=_full(picture, shot.binned),
+    )
+
+
+def _span(frames: tuple[int, int | None] | None) -> tuple[int, int | None]:
+    if frames is None:
+        return 0, None
+    remedy = "give frames=(first, last), counted from 0"
+    if not isinstance(frames, list | tuple) or len(frames) != 2:
+        raise InputError("frames", frames, "two whole numbers (first, last)", remedy)
+    first = whole("frames", frames[0], 0, 10**9, remedy)
+    last = None if frames[1] is None else whole("frames", frames[1], first + 2, 10**9, remedy)
+    return first, last
+
+
+def _times(shot: Film, frame_s: float | None, every: int) -> tuple[Array, str, list[str]]:
+    """Return the times of the frames, their unit, and where they come from."""
+    count = len(shot.pictures)
+    if frame_s is not None:
+        given = number("frame_s", frame_s, 1e-9, 1e9, "give the seconds between two frames of the film")
+        if shot.times is not None and count > 2:
+            steps = np.diff(shot.times)
+            if np.ptp(steps) > reading.STEADY * float(np.median(steps)):
+                # The file tells when each frame was shown; the given time is that of the usual step.
+                scaled = shot.times * (given * every / float(np.median(steps)))
+                return (
+                    scaled - scaled[0],
+                    "s",
+                    ["frames are not evenly spaced; the times of the file, scaled"],
+                )
+        return given * every * np.arange(count, dtype=np.float64), "s", []
+    if shot.times is None:
+        note = "the file does not tell the time between frames: velocities are per frame (give frame_s)"
+        return every * np.arange(count, dtype=np.float64), "frame", [note]
+    steps = np.diff(shot.times)
+    usual = float(np.median(steps))
+    notes = [f"{usual / every:.4g} s between frames is what the file says, the rate of playing it (frame_s)"]
+    if np.ptp(steps) > reading.STEADY * usual:
+        notes.append(f"frames are not evenly spaced: {steps.min():.3g} to {steps.max():.3g} s apart")
+    return shot.times - shot.times[0], "s", notes
+
+
+def _distinct(pictures: npt.NDArray[np.float32]) -> npt.NDArray[np.int64]:
+    """Return the frames that are no copies of the one before, as converters of films add them."""
+    change = np.array([np.abs(b - a).mean() for a, b in pairwise(pictures)])
+    usual = float(np.median(change))
+    scale = max(usual, SAME * float(np.abs(pictures[0]).mean()), 1e-12)
+    return np.concatenate([[0], 1 + np.flatnonzero(change > 1e-3 * scale)])
+
+
+def _measured(
+    pictures: npt.NDArray[np.float32],
+    when: Array,
+    noise: float,
+    live: npt.NDArray[np.bool_],
+    most: int,
+    apart: int,
+    binned: int,
+) -> list[Frame]:
+    """Return the velocities of pairs of frames, spread evenly, on a grid of the pictures."""
+    count = len(pictures) - 1
+    chosen = np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
+    rows, columns = pictures.shape[1:]
+    step = max(1, round(apart / binned))
+    y, x = np.arange(step // 2, rows, step), np.arange(step // 2, columns, step)
+    found = []
+    for k in chosen:
+        flow = moving.between(pictures[k], pictures[k + 1], noise)
+        vx, vy = flow.v[:, y[:, None], x] * (binned / (when[k + 1] - when[k]))
+        good = (flow.good & live)[y[:, None], x]
+        middle = 0.5 * (when[k] + when[k + 1])
+        offset = 0.5 * (binned - 1)
+        found.append(gridded(binned * x + offset, binned * y + offset, vx, vy, good, middle))
+    return found
+
+
+def _noise(
+    pictures: npt.NDArray[np.float32], when: Array, noise: float, live: npt.NDArray[np.bool_], binned: int
+) -> float | None:
+    """Return the noise of a displacement in pixels: from second differences of three successive pairs."""
+    if len(pictures) < 4:
+        return None
+    first = (len(pictures) - 4) // 2
+    flows = [moving.between(pictures[k], pictures[k + 1], noise) for k in range(first, first + 3)]
+    steps = np.diff(when[first : first + 4])
+    a, b, c = (flow.v / dt for flow, dt in zip(flows, steps, strict=True))
+    good = flows[0].good & flows[1].good & flows[2].good & live
+    if good.sum() < 50:
+        return None
+    bend = (a - 2 * b + c)[:, good] * float(np.median(steps))
+    return float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6) * binned)
+
+
+def _moved(frame: Frame) -> Array:
+    assert frame.vx is not None
+    assert frame.vy is not None
+    return np.hypot(frame.vx, frame.vy)
+
+
+def _full(picture: npt.NDArray[np.float32], binned: int) -> npt.NDArray[np.float32]:
+    """Return a picture in the pixels of the file."""
+    return np.repeat(np.repeat(picture, binned, axis=0), binned, axis=1) if binned > 1 else picture

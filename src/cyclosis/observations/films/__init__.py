@@ -1,0 +1,1 @@
+"""Films of cells: reading them, and measuring what moves in them."""

@@ -1,0 +1,1 @@
+"""The synthetic microscope: what an instrument would have recorded of a run."""
