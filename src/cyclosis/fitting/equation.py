@@ -16,7 +16,7 @@ from ..model.grid import Array
 from .bumps import InSpace, in_space, in_time, slopes, weights
 from .film import Film, noise_of, surrogate
 from .geometry import Tilt, carried, turned
-from .weak import FILAMENTS, FLOW, RATES, Chart, Rows, rows
+from .weak import FILAMENTS, FLOW, RATES, Chart, Rows, White, rows, whitening
 
 NAMES = (*FILAMENTS, *FLOW)
 LEAST_FRAMES = 18
@@ -25,6 +25,10 @@ _TIME, _THETA, _Z = (6.5, 3.0), (7.5, 0.7), (8.5, 0.66)
 """Half widths of bumps: so many spacings, and at least this long in R/U or R."""
 _FEWEST = 3.5
 """Spacings that half of a bump must have."""
+SMALLER = 0.8
+"""Size of other bumps, relative to the usual ones, by which the error of the quadrature is measured."""
+USUAL_MU = 0.05
+"""The μ that is assumed where rows are weighted; it does not bias the result."""
 _STEP = 0.25
 """Distance of test functions in half widths."""
 
@@ -41,13 +45,14 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """One estimate: `values` by name, `moments` the symmetrical ZᵀX of the scaled columns of each equation.
+    """One estimate: `values` by name, `moments` ZᵀX of each equation, `squares` XᵀX without its noise.
 
     `residual` is the mean square of the rows that is left, relative to that of the left-hand side.
     """
 
     values: dict[str, float]
     moments: dict[str, tuple[tuple[str, ...], Array]]
+    squares: dict[str, Array]
     residual: dict[str, float]
 
 
@@ -115,7 +120,9 @@ def framed(film: Film, share: float = 1.0, tilt: Tilt | None = None) -> Frame:
     return Frame(halves, space, Chart(slope_theta, slope_z, inverse), vectors)
 
 
-def halves(film: Film, frame: Frame, noise: tuple[Array, Array], angle: float) -> list[Rows]:
+def halves(
+    film: Film, frame: Frame, noise: tuple[Array, Array], angle: float, white: White | None = None
+) -> list[Rows]:
     """Return the `Rows` of either half of the frames; `noise` has the variances of P and of u."""
     P, u = film.P, film.u
     assert P is not None
@@ -123,20 +130,15 @@ def halves(film: Film, frame: Frame, noise: tuple[Array, Array], angle: float) -
     s = noise[0]
     if frame.vectors is not None:
         P, u = turned(P, frame.vectors), carried(u, frame.vectors)
-    spread = (noise[0] + noise[1]).sum(axis=0).ravel()
-    ones = frame.space.value @ np.ones_like(spread)
-    mean = (frame.space.value @ spread) / ones
-    weight = np.sqrt(mean.min() / mean) if mean.min() > 0 else np.ones_like(mean)
     return [
-        rows(P[part], u[part], s, angle, frame.chart, time, frame.space, weight)
-        for part, time in frame.halves
+        rows(P[part], u[part], s, angle, frame.chart, time, frame.space, white) for part, time in frame.halves
     ]
 
 
 def solved(parts: list[Rows], fixed: Mapping[str, float]) -> Estimate:
     """Return the `Estimate` from the rows of both halves, with some parameters `fixed`."""
     values: dict[str, float] = dict(fixed)
-    moments, residual = {}, {}
+    moments, squares, residual = {}, {}, {}
     for kind, names in (("flow", FLOW), ("filaments", FILAMENTS)):
         pairs = [getattr(part, kind) for part in parts]
         free = [k for k, name in enumerate(names, 1) if name not in fixed]
@@ -146,21 +148,33 @@ def solved(parts: list[Rows], fixed: Mapping[str, float]) -> Estimate:
                 pairs = [np.column_stack([p[:, 0] - by * p[:, k], p[:, 1:]]) for p in pairs]
         y = [p[:, 0] for p in pairs]
         X = [p[:, free] for p in pairs]
-        A = X[1].T @ X[0] + X[0].T @ X[1]
-        b = X[1].T @ y[0] + X[0].T @ y[1]
+        Z = [_instruments(kind, p, free) if free else p[:, :0] for p in pairs]
+        A = Z[1].T @ X[0] + Z[0].T @ X[1]
+        b = Z[1].T @ y[0] + Z[0].T @ y[1]
         chosen = tuple(names[k - 1] for k in free)
         c = np.zeros(0)
         if free:
             scale = np.sqrt(np.maximum(np.abs(np.diag(A)), 1e-300))
             c = np.linalg.lstsq(A / np.outer(scale, scale), b / scale, rcond=1e-14)[0] / scale
             values |= dict(zip(chosen, c.tolist(), strict=True))
-        moments[kind] = (chosen, 0.5 * (A + A.T))
+        pairwise = X[1].T @ X[0]
+        moments[kind] = (chosen, A)
+        squares[kind] = pairwise + pairwise.T
         left = sum(float(np.sum((y[k] - X[k] @ c) ** 2)) for k in range(2))
         residual[kind] = left / max(sum(float(np.sum(v**2)) for v in y), 1e-300)
     for name in RATES:
         if name not in fixed:
             values[name] /= values["U"]
-    return Estimate({name: values[name] for name in NAMES}, moments, residual)
+    return Estimate({name: values[name] for name in NAMES}, moments, squares, residual)
+
+
+def _instruments(kind: str, table: Array, free: list[int]) -> Array:
+    """Return the instruments (rows, free) that one half of the frames gives for the other.
+
+    They are the columns themselves, except that ∇²ω = (ω - U curl F)/μ is replaced by ω, which spans the same
+    with curl F and is less noisy by two derivatives.
+    """
+    return np.stack([-table[:, 0] if kind == "flow" and k == 1 else table[:, k] for k in free], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,18 +198,30 @@ def repeated(
     assert u is not None
     noise = (noise_of(P, film.seen), noise_of(u, film.seen))
     frame = framed(film)
-    first = solved(halves(film, frame, noise, angle), fixed)
+    white = _white(film, frame, noise)
+    first = solved(halves(film, frame, noise, angle, white), fixed)
     rng = np.random.default_rng(seed)
     twice = (2 * noise[0], 2 * noise[1])
     noisy = []
     for _ in range(draws):
         again = film.with_fields(P + surrogate(P, noise[0], rng), u + surrogate(u, noise[1], rng))
-        noisy.append(solved(halves(again, frame, twice, angle), fixed))
-    other = []
-    for share in (0.8,):
-        try:
-            other.append(solved(halves(film, framed(film, share), noise, angle), fixed))
-        except TooSmall:
-            continue
-    moved = [solved(halves(film, framed(film, 1.0, tilt), noise, angle), fixed) for tilt in tilts]
+        noisy.append(solved(halves(again, frame, twice, angle, white), fixed))
+    other, moved = [], []
+    try:
+        smaller = framed(film, SMALLER)
+        other.append(solved(halves(film, smaller, noise, angle, _white(film, smaller, noise)), fixed))
+    except TooSmall:
+        pass
+    for tilt in tilts:
+        place = framed(film, 1.0, tilt)
+        moved.append(solved(halves(film, place, noise, angle, _white(film, place, noise)), fixed))
     return Repeats(first, noisy, other, moved, noise)
+
+
+def _white(film: Film, frame: Frame, noise: tuple[Array, Array]) -> White:
+    assert film.P is not None
+    order = np.mean((film.P[:, :, film.seen] ** 2).sum(axis=1) ** 2)
+    if not max(map(np.max, noise)) > 0:
+        noise = (np.ones_like(noise[0]), np.ones_like(noise[1]))
+    # Of |P|² P the components along and across P have 3 |P|² and |P|² times the noise of P.
+    return whitening(frame.halves[0][1], frame.space, noise, USUAL_MU, 5 * float(order))

@@ -16,6 +16,7 @@ here: ⟨|P + n|² (P + n)_i⟩ = |P|² P_i + (s_θ² + s_z² + 2 s_i²) P_i, an
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,9 @@ FLOW = ("mu", "U")
 RATES = ("d_s", "d_r", "alpha_p", "kappa")
 """Those that are measured in U/R, so that they scale with the unit of speed."""
 
+RIDGE = 0.1
+"""Directions of bumps whose noise has a smaller share of the largest variance are not amplified further."""
+
 
 @dataclass(frozen=True, eq=False)
 class Rows:
@@ -36,6 +40,14 @@ class Rows:
 
     filaments: Array
     flow: Array
+
+
+@dataclass(frozen=True, eq=False)
+class White:
+    """Matrices over bumps in space and over bumps in time, for the rows of the flow equation."""
+
+    space: Array
+    time: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +79,12 @@ def rows(
     chart: Chart,
     time: tuple[Array, Array],
     space: InSpace,
-    weight: Array,
+    white: White | None = None,
 ) -> Rows:
     """Return the `Rows` of fields (n, 2, n_theta, n_z), with the variance of the noise of P taken out.
 
     `noise` is (2, n_theta, n_z), `angle` that of the repulsive direction from e_theta, `time` and `space` the
-    bumps, and `weight` (bumps in space,) multiplies the rows.
+    bumps, and `white` what makes the noise of the rows of the flow equation independent.
     """
     value, slope = time
 
@@ -82,7 +94,7 @@ def rows(
         return (by @ flat).T
 
     def integral(matrix: object, field: Array) -> Array:
-        return np.asarray(matrix @ field) * weight[:, None]  # type: ignore[operator]
+        return np.asarray(matrix @ field)  # type: ignore[operator]
 
     filaments = []
     s_theta, s_z = noise
@@ -126,5 +138,31 @@ def rows(
         curl(space.theta, space.z, F_t),
     ])  # fmt: skip
     joined = np.stack(filaments, axis=1)
+    if white is not None:
+        flow = white.space @ flow @ white.time.T
     return Rows(joined.reshape(joined.shape[0], -1).T, flow.reshape(flow.shape[0], -1).T)
+
+
+def whitening(
+    time: tuple[Array, Array], space: InSpace, noise: tuple[Array, Array], mu: float, force: float
+) -> White:
+    """Return what makes the noise of the rows of the flow equation independent.
+
+    Rows overlap, and much of the noise of one is that of its neighbours: of u - μ ∇²u and of the force, whose
+    variance is `force` times that of P. `noise` has the variances of P and of u.
+    """
+    s_P, s_u = (np.maximum(f, 1e-300).reshape(2, -1) for f in noise)
+    pairs = ((0, space.z, space.z3), (1, space.theta, space.theta3))
+    flow = sum(_squared(side - mu * third, s_u[c]) + force * _squared(side, s_P[c]) for c, side, third in pairs)
+    return White(_inverse_root(flow), _inverse_root(time[0] @ time[0].T))
+
+
+def _squared(matrix: Any, variance: Array) -> Array:
+    return np.asarray((matrix * variance[None, :] @ matrix.T).todense())
+
+
+def _inverse_root(covariance: Array) -> Array:
+    """Return a matrix W with W C Wᵀ = 1, apart from directions of little noise, which are not amplified."""
+    sizes, vectors = np.linalg.eigh(covariance)
+    return (vectors / np.sqrt(sizes + RIDGE * sizes[-1])).T
 
