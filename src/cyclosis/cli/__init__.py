@@ -16,6 +16,7 @@ from . import runs, terminal
 from .experiments import experiment
 from .explorer import explore
 from .figures import figures
+from .fitting import fit
 from .options import command, commands
 from .sweeps import sweeps
 from .theory import theory
@@ -34,6 +35,12 @@ app.add_typer(sweeps, name="sweep")
 app.add_typer(theory, name="stability")
 command(app, "experiment list", "experiment recovery --quick")(experiment)
 command(app, "explore")(explore)
+command(
+    app,
+    "fit cell.nc",
+    "fit cell.nc --parameters alpha_p,kappa --fix mu=0.05 -o fit.nc -o fit.png",
+    "fit cell.nc --geometry axis_deg=0.5 --radius-um 500 --speed-um-per-s 80",
+)(fit)
 command(
     app,
     "vacuole run.nc",
