@@ -11,7 +11,7 @@ from ..model.doors import door
 from ..model.errors import InputError, choice, closest, number, whole
 from ..model.scales import Scales
 from .film import Film, film_of
-from .geometry import tilts
+from .geometry import tilts, visible
 from .judged import by_equation, refusal
 from .result import ORDER, Fit
 
@@ -75,7 +75,7 @@ def fit(
     fixed = _fixed(fix)
     wanted = _wanted(parameters, fixed)
     moved = tilts(geometry, draws, np.random.default_rng([seed, 1]))
-    film = film_of(data, scales)
+    film = visible(film_of(data, scales)) if moved else film_of(data, scales)
     names = tuple(name for name in ORDER if name in wanted and name not in fixed)
     if film.u is None:
         sentence = (

@@ -8,20 +8,21 @@ on the surface, and vectors in the image are resolved differently there.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..model.errors import InputError, closest, number
 from ..model.grid import Array
+from .film import Film
 
 KINDS = {
     "axis_deg": ("standard deviation of the direction of the axis in degrees", 30.0),
     "radius": ("relative standard deviation of the radius", 0.5),
     "centre": ("standard deviation of the centre line across the axis, in radii", 0.5),
 }
-STEEPEST = 0.1
+STEEPEST = 0.17
 """Least cos φ: points beyond are not moved closer to the rim."""
 
 
@@ -63,6 +64,19 @@ def tilts(geometry: Mapping[str, Any] | None, draws: int, rng: np.random.Generat
         size[name] = number(f"{name} of the geometry", value, 0.0, KINDS[name][1], f"give the {KINDS[name][0]}")
     scale = np.array([np.radians(size["axis_deg"]), size["radius"], size["centre"]])
     return [Tilt(*(scale * rng.normal(size=3))) for _ in range(draws)] if scale.any() else []
+
+
+def visible(film: Film) -> Film:
+    """Return the part of a film that a camera can see: |φ| up to where cos φ is `STEEPEST`."""
+    kept = np.cos(film.theta - film.facing) > STEEPEST
+    kept &= np.abs(film.theta - film.facing) < 0.5 * np.pi
+    if kept.all():
+        return film
+    if kept.sum() < 2:
+        rule = "an angle that the data show"
+        raise InputError("facing of the data", film.facing, rule, "set their attribute facing")
+    P, u = (None if f is None else f[:, :, kept] for f in (film.P, film.u))
+    return replace(film, theta=film.theta[kept], P=P, u=u, seen=film.seen[kept])
 
 
 def turned(P: Array, frame: Array) -> Array:
