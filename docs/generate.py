@@ -368,6 +368,7 @@ FIGURES = {
     "cyclosis.figures.vacuole_dispersion": ["vacuole_dispersion"],
     "cyclosis.figures.vacuole_poincare": ["vacuole_poincare"],
     "cyclosis.figures.dye": ["dye"],
+    "cyclosis.figures.fitted": ["fitted"],
     "cyclosis.figures.style": ["save"],
 }
 """The functions that draw and write figures, by module."""
@@ -415,6 +416,12 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
         ("cyclosis.closed",),
     ),
     "vacuole": ("The vacuole", "the flow inside the cell, and what it carries", "", ("cyclosis.vacuole",)),
+    "fitting": (
+        "Fits",
+        "the model fitted to a measurement, with what it cannot tell",
+        "fit",
+        ("cyclosis.fitting",),
+    ),
     "traced": ("For JAX", "the functions that `jit`, `grad` and `vmap` may trace", "", ("cyclosis.traced",)),
 }
 """Pages of the reference: title, what is there, names of `cyclosis`, and modules."""

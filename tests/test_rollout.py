@@ -34,7 +34,10 @@ def test_gradients_equal_central_differences_and_forward_mode():
         by_values, by_start = jax.jit(jax.grad(total, (0, 1)))(jnp.asarray(begin), jnp.asarray(START))
 
         def slope(dv, dP, h):
-            ends = [float(value(jnp.asarray(begin + s * h * dv), jnp.asarray(START + s * h * dP))) for s in (1, -1)]
+            ends = [
+                float(value(jnp.asarray(begin + s * h * dv), jnp.asarray(START + s * h * dP)))
+                for s in (1, -1)
+            ]
             return (ends[0] - ends[1]) / (2 * h)
 
         for k in range(len(NAMES)):
@@ -48,7 +51,9 @@ def test_gradients_equal_central_differences_and_forward_mode():
 
 def test_many_initial_states_at_once():
     with jax.enable_x64(True):
-        both = jax.vmap(lambda P0: cy.traced.rollout(PARAMS, GRID, P0, [0.5]))(jnp.asarray([START, 0.5 * START]))
+        both = jax.vmap(lambda P0: cy.traced.rollout(PARAMS, GRID, P0, [0.5]))(
+            jnp.asarray([START, 0.5 * START])
+        )
         one = cy.traced.rollout(PARAMS, GRID, 0.5 * START, [0.5])
     assert np.asarray(both[1]) == pytest.approx(np.asarray(one), abs=1e-14)
 

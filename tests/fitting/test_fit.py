@@ -8,7 +8,16 @@ import cyclosis as cy
 from cyclosis.fitting.film import film_of, noise_of
 from cyclosis.fitting.geometry import Tilt, tilts
 
-TRUTH = {"alpha_p": 1.0, "alpha_u": 0.5, "epsilon": 0.1, "d_s": 0.05, "d_r": 0.025, "kappa": 0.5, "mu": 0.1, "U": 1.0}
+TRUTH = {
+    "alpha_p": 1.0,
+    "alpha_u": 0.5,
+    "epsilon": 0.1,
+    "d_s": 0.05,
+    "d_r": 0.025,
+    "kappa": 0.5,
+    "mu": 0.1,
+    "U": 1.0,
+}
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +148,9 @@ def test_input_is_checked(film, arguments, match):
         cy.fit(film, **arguments)
 
 
-@pytest.mark.parametrize("data", [None, np.zeros(3), xarray.Dataset(), xarray.Dataset({"u": ("theta", [1.0])})])
+@pytest.mark.parametrize(
+    "data", [None, np.zeros(3), xarray.Dataset(), xarray.Dataset({"u": ("theta", [1.0])})]
+)
 def test_what_is_no_measurement_is_refused(data):
     with pytest.raises(cy.InputError, match="data"):
         cy.fit(data)

@@ -26,6 +26,7 @@ def u_of(t, x, z):
 
 def slope(f, at, k, h=2e-3):
     """Return ∂f/∂(t, θ, z)_k by central differences of order 6 of the formula itself."""
+
     def moved(s):
         return np.array(f(*(x + s * h * (j == k) for j, x in enumerate(at))))
 
@@ -106,7 +107,9 @@ def test_products_of_the_noise_with_itself_are_removed():
     P, u = np.array([0.4, -0.2]), np.array([0.3, 0.5])
     noisy = P[:, None] + s[:, None] * rng.normal(size=(2, n))
     x, z, t = np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), np.linspace(-1, 1, 9)
-    space, _ = in_space(*(f.ravel() for f in np.meshgrid(x, z, indexing="ij")), np.ones(81), np.zeros((1, 2)), (1, 1))
+    space, _ = in_space(
+        *(f.ravel() for f in np.meshgrid(x, z, indexing="ij")), np.ones(81), np.zeros((1, 2)), (1, 1)
+    )
     time = in_time(t, np.zeros(1), 1.0)
     chart = Chart(slopes(x), slopes(z))
     ones = np.ones((9, 1, 9, 9))

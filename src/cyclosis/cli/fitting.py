@@ -30,9 +30,7 @@ def fit(
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="A value known from elsewhere; may be repeated."),
     ] = None,
-    method: Annotated[
-        str, typer.Option(metavar="NAME", help="auto, equation, film or profile.")
-    ] = "auto",
+    method: Annotated[str, typer.Option(metavar="NAME", help="auto, equation, film or profile.")] = "auto",
     geometry: Annotated[
         list[str] | None,
         typer.Option(

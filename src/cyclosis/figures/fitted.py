@@ -64,11 +64,15 @@ def _intervals(ax: Any, found: Fit) -> None:
             ax.axhline(k, color=QUIET, linewidth=0.8, linestyle=(0, (2, 3)))
             label = "not known"
         else:
-            ax.plot([low / value - 1, high / value - 1], [k, k], color=UP, linewidth=2.4, solid_capstyle="butt")
+            ax.plot(
+                [low / value - 1, high / value - 1], [k, k], color=UP, linewidth=2.4, solid_capstyle="butt"
+            )
             ax.plot(0, k, "o", color=INK, markersize=3.5)
             wide += [1 - low / value, high / value - 1]
             label = f"{value:.4g}"
-        ax.annotate(label, (1, k), (4, 0), ("axes fraction", "data"), "offset points", va="center", fontsize=9.0)
+        ax.annotate(
+            label, (1, k), (4, 0), ("axes fraction", "data"), "offset points", va="center", fontsize=9.0
+        )
     limit = 1.15 * min(max(wide), 2.0)
     ax.set_xlim(-limit, limit)
     ax.xaxis.set_major_formatter(lambda x, _: f"{100 * x:+.3g} %".replace("+0 %", "0"))
@@ -88,7 +92,16 @@ def _directions(ax: Any, found: Fit) -> None:
         ax.axhline(k, color=QUIET, linewidth=0.4, zorder=0)
         size = direction.deviation
         text = "not at all" if not size < 10 else f"{100 * size:.2g} %"
-        ax.annotate(text, (0, k), (-4, 0), ("axes fraction", "data"), "offset points", ha="right", va="center", fontsize=9.0)
+        ax.annotate(
+            text,
+            (0, k),
+            (-4, 0),
+            ("axes fraction", "data"),
+            "offset points",
+            ha="right",
+            va="center",
+            fontsize=9.0,
+        )
     ax.set_yticks([])
     ax.set_xticks(range(len(names)), [SYMBOLS[name] for name in names])
     ax.set_xlim(-0.6, max(len(names), 1) - 0.4)

@@ -24,9 +24,11 @@ WHOLE = 2e-3
 
 @cache
 def _polynomial(power: int, derivative: int) -> Polynomial:
-    return (Polynomial([1.0, 0.0, -1.0]) ** power).deriv(derivative) if derivative else Polynomial(
-        [1.0, 0.0, -1.0]
-    ) ** power
+    return (
+        (Polynomial([1.0, 0.0, -1.0]) ** power).deriv(derivative)
+        if derivative
+        else Polynomial([1.0, 0.0, -1.0]) ** power
+    )
 
 
 def bump(x: Array, power: int, derivative: int = 0) -> Array:

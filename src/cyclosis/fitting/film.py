@@ -158,7 +158,11 @@ def _plain(array: xarray.DataArray, dims: tuple[str, ...]) -> xarray.DataArray:
 
 def _unit(array: xarray.DataArray) -> str | None:
     unit = str(array.attrs.get("units", array.attrs.get("unit", "1"))).strip()
-    return None if unit.lower() in ("", "1", "dimensionless", "u", "r/u", "r", "rad", "radian", "radians") else unit
+    return (
+        None
+        if unit.lower() in ("", "1", "dimensionless", "u", "r/u", "r", "rad", "radian", "radians")
+        else unit
+    )
 
 
 def _coordinate(array: xarray.DataArray, name: str, scales: Scales | None) -> Array:
@@ -193,7 +197,9 @@ def _divided(name: str, values: Array, unit: str, scales: Scales | None) -> Arra
         return values * factor
     if scales is None:
         rule = "given with the scales of the cell"
-        raise InputError(f"units of {name}", unit, rule, "add scales=cyclosis.Scales(radius_um, speed_um_per_s)")
+        raise InputError(
+            f"units of {name}", unit, rule, "add scales=cyclosis.Scales(radius_um, speed_um_per_s)"
+        )
     return values * (factor / float(getattr(scales, _SCALE[name])))
 
 

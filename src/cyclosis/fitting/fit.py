@@ -16,7 +16,15 @@ from .judged import by_equation, refusal
 from .result import ORDER, Fit
 
 METHODS = ("auto", "equation", "film", "profile")
-LARGEST = {"epsilon": 10.0, "d_s": 10.0, "d_r": 10.0, "mu": 100.0, "alpha_p": 1e6, "alpha_u": 1e6, "kappa": 1e6}
+LARGEST = {
+    "epsilon": 10.0,
+    "d_s": 10.0,
+    "d_r": 10.0,
+    "mu": 100.0,
+    "alpha_p": 1e6,
+    "alpha_u": 1e6,
+    "kappa": 1e6,
+}
 """Largest values that may be fixed."""
 CHANGE = 1e-9
 """A film whose frames differ by no more is a profile."""
@@ -71,7 +79,9 @@ def fit(
     seed = whole("seed", seed, 0, 2**63 - 1, "give a whole number")
     draws = whole("draws", draws, 3, 1000, "the default is 8")
     if scales is not None and not isinstance(scales, Scales):
-        raise InputError("scales", scales, "a cyclosis.Scales", "write cyclosis.Scales(radius_um, speed_um_per_s)")
+        raise InputError(
+            "scales", scales, "a cyclosis.Scales", "write cyclosis.Scales(radius_um, speed_um_per_s)"
+        )
     fixed = _fixed(fix)
     wanted = _wanted(parameters, fixed)
     moved = tilts(geometry, draws, np.random.default_rng([seed, 1]))

@@ -61,7 +61,9 @@ def tilts(geometry: Mapping[str, Any] | None, draws: int, rng: np.random.Generat
     for name, value in geometry.items():
         if name not in KINDS:
             raise InputError("geometry", name, "one of " + ", ".join(KINDS), closest(name, KINDS))
-        size[name] = number(f"{name} of the geometry", value, 0.0, KINDS[name][1], f"give the {KINDS[name][0]}")
+        size[name] = number(
+            f"{name} of the geometry", value, 0.0, KINDS[name][1], f"give the {KINDS[name][0]}"
+        )
     scale = np.array([np.radians(size["axis_deg"]), size["radius"], size["centre"]])
     return [Tilt(*(scale * rng.normal(size=3))) for _ in range(draws)] if scale.any() else []
 

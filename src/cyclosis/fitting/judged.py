@@ -89,7 +89,9 @@ def _judged(
         unknown |= set(free)  # the unit of every rate
     # What does not even have a known sign or size is not an estimate.
     unknown |= {
-        name for name, value in zip(free, values, strict=True) if not T95 * deviation[name] < abs(value) * VAGUE
+        name
+        for name, value in zip(free, values, strict=True)
+        if not T95 * deviation[name] < abs(value) * VAGUE
     }
     residual, wrong = _residual(found)
     if wrong:
@@ -107,9 +109,7 @@ def _judged(
         )
     covariance = _covariance(found, free, values, deviation)
     known = [k for k, name in enumerate(free) if name not in unknown]
-    parts = directions(
-        tuple(free[k] for k in known), values[known], covariance[np.ix_(known, known)]
-    )
+    parts = directions(tuple(free[k] for k in known), values[known], covariance[np.ix_(known, known)])
     return Fit(
         "equation",
         {name: float("nan") if name in unknown else found.first.values[name] for name in names},

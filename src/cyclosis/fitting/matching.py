@@ -31,7 +31,16 @@ from .result import ORDER, Direction, Fit
 
 POINTS, DT, MODES = 32, 0.1, 8
 """Points of the model's grid either way, its step in R/U, and the highest waves of the initial state."""
-START = {"alpha_p": 1.0, "alpha_u": 0.5, "epsilon": 0.1, "d_s": 0.025, "d_r": 0.025, "kappa": 0.5, "mu": 0.05, "U": 1.0}
+START = {
+    "alpha_p": 1.0,
+    "alpha_u": 0.5,
+    "epsilon": 0.1,
+    "d_s": 0.025,
+    "d_r": 0.025,
+    "kappa": 0.5,
+    "mu": 0.05,
+    "U": 1.0,
+}
 """Where the search begins: the paper's values. The prior is a factor e either way."""
 SMOOTH = 3.0
 """Waves beyond which the prior of P falls off, as (1 + k²/SMOOTH²)^-2."""
@@ -70,11 +79,18 @@ class Match:
 
     def values(self, logs: Any) -> dict[str, Any]:
         """Return the parameters by name, the rates in units of the data's time."""
-        given: dict[str, Any] = {**self.fixed, **{name: jnp.exp(logs[k]) for k, name in enumerate(self.names)}}
+        given: dict[str, Any] = {
+            **self.fixed,
+            **{name: jnp.exp(logs[k]) for k, name in enumerate(self.names)},
+        }
         unit = given.pop("U")
         angle = given.pop("repulsion_angle", 0.0)
         # u in units of the data is U u: all terms but those of μ become U times as fast.
-        return {"U": unit, "repulsion_angle": angle, **{n: v if n == "mu" else v * unit for n, v in given.items()}}
+        return {
+            "U": unit,
+            "repulsion_angle": angle,
+            **{n: v if n == "mu" else v * unit for n, v in given.items()},
+        }
 
     def flow(self, unknowns: Any, frames: int | None = None) -> Any:
         """Return u (n, 2, points) where it was seen, at the first `frames` times."""
@@ -135,7 +151,9 @@ def by_film(
         return _fitted(match, film, names, free, fixed, noise, seed, progress)
 
 
-def _match(film: Film, free: tuple[str, ...], fixed: dict[str, float], variance: Array, length: float | None) -> Match:
+def _match(
+    film: Film, free: tuple[str, ...], fixed: dict[str, float], variance: Array, length: float | None
+) -> Match:
     assert film.u is not None
     own = film.attributes.get("length")
     span = float(film.z[-1] - film.z[0])
@@ -145,7 +163,9 @@ def _match(film: Film, free: tuple[str, ...], fixed: dict[str, float], variance:
     period = number("length", length, max(span - 1e-9, 0.1), 1e3, "give the period of the cell, in radii")
     if (film.times[-1] - film.times[0]) / DT > LONGEST:
         rule = f"no longer than {LONGEST * DT:g} R/U for a fit of a film"
-        raise InputError("the film", f"{film.times[-1] - film.times[0]:.6g} R/U", rule, "take the part that changes")
+        raise InputError(
+            "the film", f"{film.times[-1] - film.times[0]:.6g} R/U", rule, "take the part that changes"
+        )
     del step
     grid = CylinderGrid(POINTS, POINTS, period)
     m, q = grid.m, grid.q
@@ -187,12 +207,20 @@ def _begin(match: Match) -> Array:
     first = match.data[: min(3, len(match.data))].mean(axis=0)
     P = first / np.maximum(np.hypot(*first), 1e-12) ** (2 / 3)
     # Ridge regression of the window's values on the prior's waves.
-    left = np.asarray(np.einsum("am,mj->aj", match.around, np.fft.fft(match.waves[0], axis=0, norm="forward")).real)
-    right = np.asarray(np.einsum("bn,nj->bj", match.along, np.fft.fft(match.waves[1], axis=0, norm="forward")).real)
+    left = np.asarray(
+        np.einsum("am,mj->aj", match.around, np.fft.fft(match.waves[0], axis=0, norm="forward")).real
+    )
+    right = np.asarray(
+        np.einsum("bn,nj->bj", match.along, np.fft.fft(match.waves[1], axis=0, norm="forward")).real
+    )
     design = np.einsum("am,bn,mn->abmn", left, right, match.size)[match.seen].reshape(len(P[0]), -1)
     ridge = 0.05
     solve = np.linalg.solve(design.T @ design / ridge + np.eye(design.shape[1]), design.T @ P.T / ridge)
-    return np.concatenate([np.log([START[name] for name in match.names]), solve.T.ravel()]) if n else solve.T.ravel()
+    return (
+        np.concatenate([np.log([START[name] for name in match.names]), solve.T.ravel()])
+        if n
+        else solve.T.ravel()
+    )
 
 
 def _fitted(
@@ -288,9 +316,7 @@ def _fitted(
 def _newton(match: Match, x: Array, told: Callable[..., None]) -> tuple[Array, Array, float, float]:
     """Return the minimum near x, the Gauss-Newton matrix there, χ² and the effective number of unknowns."""
     misfit = jax.jit(match.misfit)
-    columns = jax.jit(
-        lambda x, v: jax.vmap(lambda one: jax.jvp(match.misfit, (x,), (one,))[1])(v)
-    )
+    columns = jax.jit(lambda x, v: jax.vmap(lambda one: jax.jvp(match.misfit, (x,), (one,))[1])(v))
 
     def cost(x: Array) -> tuple[Array, float]:
         left = np.asarray(misfit(jnp.asarray(x)))
@@ -358,7 +384,9 @@ def _predicted(match: Match, film: Film, x: Array) -> Any:
         P = traced.rollout(PLAIN, match.grid, P0, match.times, DT, **values)
         u = jax.vmap(lambda p: traced.flow(PLAIN, match.grid, p, mu=values["mu"]))(P) * unit
         there = [
-            np.einsum("am,tcmn,bn->tcab", match.around, np.fft.fft2(np.asarray(f), norm="forward"), match.along).real
+            np.einsum(
+                "am,tcmn,bn->tcab", match.around, np.fft.fft2(np.asarray(f), norm="forward"), match.along
+            ).real
             for f in (P, u)
         ]
     dims = ("time", "component", "theta", "z")

@@ -138,7 +138,9 @@ class Fit:
         )
 
     def __repr__(self) -> str:
-        lines = [f"Fit by {self.method}: condition {self.condition:.3g}, residual {self.residual:.3g} of the noise"]
+        lines = [
+            f"Fit by {self.method}: condition {self.condition:.3g}, residual {self.residual:.3g} of the noise"
+        ]
         for name, value in self.estimate.items():
             low, high = self.interval[name]
             known = "not known" if np.isnan(value) else f"{value:<10.4g} {low:.4g} to {high:.4g}"
@@ -174,5 +176,7 @@ def directions(names: tuple[str, ...], values: Array, covariance: Array) -> tupl
     found = []
     for size, vector in zip(sizes, vectors.T, strict=True):
         sign = np.sign(vector[np.argmax(np.abs(vector))])
-        found.append(Direction(float(np.sqrt(max(size, 0.0))), dict(zip(names, (sign * vector).tolist(), strict=True))))
+        found.append(
+            Direction(float(np.sqrt(max(size, 0.0))), dict(zip(names, (sign * vector).tolist(), strict=True)))
+        )
     return tuple(found)

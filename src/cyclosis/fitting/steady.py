@@ -107,9 +107,7 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
         return refusal("profile", names, fixed, film, sentence, seed)
     data = _measured(film)
     if data.angles.size < 12:
-        sentence = (
-            f"This profile has {data.angles.size} angles, and at least 12 are needed; measure on a finer grid."
-        )
+        sentence = f"This profile has {data.angles.size} angles, and at least 12 are needed; measure on a finer grid."
         return refusal("profile", names, fixed, film, sentence, seed)
     asked = tuple(name for name in NAMES if name not in fixed)
     found = _searched(data, asked, fixed)
@@ -151,7 +149,9 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
             if one not in lost and other not in lost:
                 a, b = asked.index(one), asked.index(other)
                 with np.errstate(invalid="ignore"):
-                    terms = np.where(shares[:, a] * shares[:, b] != 0, shares[:, a] * shares[:, b] * deviations**2, 0.0)
+                    terms = np.where(
+                        shares[:, a] * shares[:, b] != 0, shares[:, a] * shares[:, b] * deviations**2, 0.0
+                    )
                 covariance[i, j] = values[one] * values[other] * terms.sum()
     return Fit(
         "profile",

@@ -153,7 +153,9 @@ def whitening(
     """
     s_P, s_u = (np.maximum(f, 1e-300).reshape(2, -1) for f in noise)
     pairs = ((0, space.z, space.z3), (1, space.theta, space.theta3))
-    flow = sum(_squared(side - mu * third, s_u[c]) + force * _squared(side, s_P[c]) for c, side, third in pairs)
+    flow = sum(
+        _squared(side - mu * third, s_u[c]) + force * _squared(side, s_P[c]) for c, side, third in pairs
+    )
     return White(_inverse_root(flow), _inverse_root(time[0] @ time[0].T))
 
 
@@ -165,4 +167,3 @@ def _inverse_root(covariance: Array) -> Array:
     """Return a matrix W with W C Wᵀ = 1, apart from directions of little noise, which are not amplified."""
     sizes, vectors = np.linalg.eigh(covariance)
     return (vectors / np.sqrt(sizes + RIDGE * sizes[-1])).T
-
