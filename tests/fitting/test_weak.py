@@ -120,8 +120,10 @@ def test_products_of_the_noise_with_itself_are_removed():
     drawn = []
     for k in range(150):
         value = noisy[:, k * 10]
-        both = [rows(ones * (2 * P * mirrored + (1 - 2 * mirrored) * value)[None, :, None, None], fields[1], variance,
-                     ANGLE, chart, time, space) for mirrored in (0, 1)]  # fmt: skip
+        both = []
+        for drawn_P in (value, 2 * P - value):  # a draw and its mirror image: odd powers cancel
+            field = ones * drawn_P[None, :, None, None]
+            both.append(rows(field, fields[1], variance, ANGLE, chart, time, space))
         drawn.append(0.5 * sum(each.filaments for each in both))
     drawn = np.array(drawn)
     error = drawn.std(axis=0) / np.sqrt(len(drawn))

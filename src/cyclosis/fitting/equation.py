@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,7 +70,7 @@ def wrapped(film: Film) -> Film:
     extra = min(extra, n // 2)
     left, right = slice(n - extra, n), slice(0, extra)
 
-    def round_(array: Array, axis: int) -> Array:
+    def round_(array: Any, axis: int) -> Any:
         parts = [np.take(array, range(*part.indices(n)), axis) for part in (left, right)]
         return np.concatenate([parts[0], array, parts[1]], axis)
 

@@ -46,7 +46,8 @@ def fit(
 ) -> Fit:
     """Return the parameters of a measured cell, with intervals, or a sentence that says what it cannot tell.
 
-    data: an xarray.Dataset of the order P and the flow u of the cytoplasm, or of u alone, over time, component
+    data: an xarray.Dataset of the order P and the flow u of the cytoplasm, or of u alone, over time,
+    component
     (theta, z), theta and z, as of a run: on any part of the surface, at any spacing, NaN where nothing was
     seen. It is dimensionless (R, U, R/U), or in the units that its variables name (s, um, um/s, deg),
     with `scales`. Without time, or in one frame, it is a steady profile.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from ..model.grid import Array
 from .equation import LEAST_FRAMES, NAMES, Repeats, TooSmall, repeated
@@ -20,8 +21,10 @@ NOISY = 0.2
 WRONG = (2.0, 0.05)
 """A model does not fit if it leaves this many times the noise, and this share of the signal."""
 ABOUT_STEADY = (
-    "This film hardly changes (condition {0:.3g}, the limit is 50), so that alpha_p, alpha_u, epsilon, d_s, d_r "
-    "and kappa can be told only up to combinations; film the hours in which streaming appears, or fix parameters."
+    "This film hardly changes (condition {0:.3g}, the limit is 50), so that alpha_p, alpha_u, "
+    "epsilon, d_s, d_r "
+    "and kappa can be told only up to combinations; film the hours in which streaming appears, or "
+    "fix parameters."
 )
 
 
@@ -39,7 +42,8 @@ def by_equation(
     given = {name: value for name, value in fixed.items() if name in NAMES}
     if film.frames < LEAST_FRAMES:
         sentence = (
-            f"This film has {film.frames} frames, and the equations need at least {LEAST_FRAMES}, two times nine; "
+            f"This film has {film.frames} frames, and the equations need at least {LEAST_FRAMES}, "
+            f"two times nine; "
             "film longer or more often, or fit by method film."
         )
         return refusal("equation", names, fixed, film, sentence, seed)
@@ -50,7 +54,8 @@ def by_equation(
     for name, size in noise.items():
         if size > NOISY * peak[name]:
             sentence = (
-                f"The noise of {name} is {100 * size / peak[name]:.0f} % of its peak, and the fit holds up to 20 %; "
+                f"The noise of {name} is {100 * size / peak[name]:.0f} % of its peak, and the fit "
+                f"holds up to 20 %; "
                 "average neighbouring vectors, or film at a higher magnification."
             )
             return refusal("equation", names, fixed, film, sentence, seed, noise)
@@ -96,7 +101,8 @@ def _judged(
     residual, wrong = _residual(found)
     if wrong:
         sentence = (
-            f"The model does not fit: it leaves {residual:.3g} times the noise; check the geometry, the direction "
+            f"The model does not fit: it leaves {residual:.3g} times the noise; check the geometry, "
+            f"the direction "
             "of y and mirroring, and whether the film shows what the model describes."
         )
         unknown = set(free)
@@ -104,7 +110,8 @@ def _judged(
     if sentence is None and lost:
         weakest = min(strength.get(name, np.inf) for name in lost)
         sentence = (
-            f"This film cannot tell {', '.join(lost)} (first-stage strength of the instruments F = {weakest:.2g}, "
+            f"This film cannot tell {', '.join(lost)} (first-stage strength of the instruments F = "
+            f"{weakest:.2g}, "
             "10 is needed, or an interval wider than the value); film longer, beyond the onset of streaming."
         )
     covariance = _covariance(found, free, values, deviation)
@@ -148,8 +155,8 @@ def _deviation(found: Repeats, free: tuple[str, ...]) -> dict[str, float]:
 
 
 def _strength(found: Repeats) -> dict[str, float]:
-    """Return F of the instruments: how far what they move of a parameter's column alone stands above noise."""
-    out = {}
+    """Return F of the instruments: what they move of a parameter's column alone, against its noise."""
+    out: dict[str, float] = {}
     for kind in ("flow", "filaments"):
         names, moments = found.first.moments[kind]
         if not names:
@@ -182,7 +189,7 @@ def _residual(found: Repeats) -> tuple[float, bool]:
     """Return what the model leaves in units of the noise, and whether that is too much."""
     worst, wrong = 1.0, False
     for kind, left in found.first.residual.items():
-        again = np.mean([each.residual[kind] for each in found.noisy])
+        again = float(np.mean([each.residual[kind] for each in found.noisy]))
         noise = max(again - left, 1e-300)  # the repeats have twice the noise
         ratio = float(np.sqrt(left / noise))
         wrong |= ratio > WRONG[0] and left > WRONG[1] ** 2
@@ -220,7 +227,7 @@ def _masked(covariance: Array, free: tuple[str, ...], names: tuple[str, ...], un
     return out
 
 
-def _rms(variance: Array, seen: Array) -> float:
+def _rms(variance: Array, seen: npt.NDArray[np.bool_]) -> float:
     return float(np.sqrt(variance[:, seen].mean()))
 
 

@@ -5,7 +5,8 @@ cost is half of
 
     Σ (u_model - u)²/σ² + Σ ξ² + Σ ln²(p/p_0),
 
-with P_k = s_k ξ_k, where s_k falls off beyond the waves that diffusion leaves: that is the smooth prior. L-BFGS
+with P_k = s_k ξ_k, where s_k falls off beyond the waves that diffusion leaves: that is the smooth prior.
+L-BFGS
 comes near the minimum, and Gauss-Newton steps with the exact Jacobian, by forward differentiation, end there.
 Its inverse gives the intervals: the initial state is integrated out with the parameters' posterior.
 """
@@ -141,7 +142,8 @@ def by_film(
         )
     elif noise > NOISY * peak:
         sentence = (
-            f"The noise of u is {100 * noise / peak:.0f} % of its peak, and the fit holds up to 20 %; average "
+            f"The noise of u is {100 * noise / peak:.0f} % of its peak, and the fit holds up to 20 "
+            f"%; average "
             "neighbouring vectors, or film at a higher magnification."
         )
     if sentence is not None:
@@ -281,7 +283,8 @@ def _fitted(
     sentence = None
     if not GOOD[0] < ratio < GOOD[1]:
         sentence = (
-            f"No run of the model matches this film (chi²/N is {ratio:.3g}, the noise alone gives 1); take a part "
+            f"No run of the model matches this film (chi²/N is {ratio:.3g}, the noise alone gives "
+            f"1); take a part "
             "of the film in which streaming appears, and check the geometry."
         )
         lost = list(free)

@@ -1,7 +1,9 @@
 """What a steady profile across two stripes says of the parameters: Fisher information about a fit.
 
-Steady stripes solve 0 = d_s P'' - d_r P + (1 - P²)(α_p P + α_u u) and u - μ u'' = P³, both odd about the zone.
-Implicit differentiation gives how u and P change with the logarithm of each parameter: δP = -J⁻¹ δR. The whole
+Steady stripes solve 0 = d_s P'' - d_r P + (1 - P²)(α_p P + α_u u) and u - μ u'' = P³, both odd about the
+zone.
+Implicit differentiation gives how u and P change with the logarithm of each parameter: δP = -J⁻¹ δR. The
+whole
 first equation may be multiplied by a number, so that (α_p, α_u, d_s, d_r) → c (α_p, α_u, d_s, d_r) changes
 nothing: an exact null vector. ε and κ do not enter at all.
 """
@@ -101,13 +103,16 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
     changed = _change(film)
     if changed > MOVES:
         sentence = (
-            f"This film is not steady: its halves differ by {100 * changed:.0f} % of the peak; fit it by method "
+            f"This film is not steady: its halves differ by {100 * changed:.0f} % of the peak; fit "
+            f"it by method "
             "equation or film, which use the change."
         )
         return refusal("profile", names, fixed, film, sentence, seed)
     data = _measured(film)
     if data.angles.size < 12:
-        sentence = f"This profile has {data.angles.size} angles, and at least 12 are needed; measure on a finer grid."
+        sentence = (
+            f"This profile has {data.angles.size} angles and needs at least 12; measure on a finer grid."
+        )
         return refusal("profile", names, fixed, film, sentence, seed)
     asked = tuple(name for name in NAMES if name not in fixed)
     found = _searched(data, asked, fixed)
@@ -135,7 +140,8 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
     sentence = _said(names, lost, fixed)
     if data.estimated and residual > 2.0 and _share(left, data) > 0.05:
         sentence = (
-            f"Steady stripes of the model do not fit this profile: they leave {residual:.3g} times the noise; check "
+            f"Steady stripes of the model do not fit this profile: they leave {residual:.3g} times "
+            f"the noise; check "
             "the geometry, and whether the stripes run along the cell."
         )
         lost = set(free)
@@ -187,7 +193,8 @@ def _said(names: tuple[str, ...], lost: set[str], fixed: dict[str, float]) -> st
     if absent:
         parts.append(f"{' and '.join(absent)} {'do' if len(absent) == 2 else 'does'} not enter")
     return (
-        f"{'; '.join(parts)}; not known: {', '.join(unknown)}; film the hours in which streaming appears, or fix "
+        f"{'; '.join(parts)}; not known: {', '.join(unknown)}; film the hours in which streaming "
+        f"appears, or fix "
         "what is known from elsewhere."
     )
 

@@ -153,9 +153,9 @@ def whitening(
     """
     s_P, s_u = (np.maximum(f, 1e-300).reshape(2, -1) for f in noise)
     pairs = ((0, space.z, space.z3), (1, space.theta, space.theta3))
-    flow = sum(
-        _squared(side - mu * third, s_u[c]) + force * _squared(side, s_P[c]) for c, side, third in pairs
-    )
+    flow = np.zeros((space.z.shape[0], space.z.shape[0]))
+    for c, side, third in pairs:
+        flow += _squared(side - mu * third, s_u[c]) + force * _squared(side, s_P[c])
     return White(_inverse_root(flow), _inverse_root(time[0] @ time[0].T))
 
 
