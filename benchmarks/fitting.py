@@ -4,8 +4,8 @@
     python benchmarks/fitting.py --noise 0.05 --from 1.5 --to 13.4 --draws 5
     python benchmarks/fitting.py --noise 0.03 --from 20 --to 60 --facing 0 --draws 5
 
-64 x 64 points, seed 0, the paper's parameters, a frame every 0.25 R/U, a window of 70 degrees either way, white
-noise in units of the peak on P and u.
+64 x 64 points, seed 0, the paper's parameters, a frame every 0.25 R/U, a window of 70 degrees either way,
+white noise in units of the peak on P and u.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def main() -> None:
         fits = []
         for draw in range(given.draws):
             rng = np.random.default_rng(1000 + draw)
-            data = exact.map(lambda field, rng=rng, size=noise: field + size * rng.normal(size=field.shape))
+            data = exact.map(lambda f, rng=rng, s=noise: f + s * rng.normal(size=f.shape))
             fits.append(cy.fit(data, method="equation", seed=draw))
         refused = [fit.refused for fit in fits if fit.refused]
         print(

@@ -9,7 +9,7 @@ import cyclosis as cy
 
 GRID = cy.CylinderGrid(16, 12, 5.0)
 PARAMS = cy.Parameters()
-START = cy.interpolate(cy.initial.disordered(cy.CylinderGrid(8, 8, 5.0), 5, 20.0), GRID.shape)
+START = cy.interpolate(cy.initial.disordered(cy.CylinderGrid(8, 8, 5.0), 20.0, 5), GRID.shape)
 NAMES = ("alpha_p", "alpha_u", "epsilon", "d_s", "d_r", "kappa", "mu")
 TIMES = (0.0, 0.3, 1.0, 1.25)
 
@@ -26,6 +26,7 @@ def test_it_equals_simulate():
     assert np.asarray(P) == pytest.approx(np.stack(run.frames), abs=1e-14)
 
 
+@pytest.mark.slow
 def test_gradients_equal_central_differences_and_forward_mode():
     begin = np.array([getattr(PARAMS, name) for name in NAMES])
     way = np.random.default_rng(0).normal(size=START.shape)

@@ -46,6 +46,7 @@ def test_exact_data_give_the_parameters(film):
         assert fit.estimate[name] == pytest.approx(truth, rel=0.01), name
 
 
+@pytest.mark.slow
 def test_noisy_data_give_intervals_that_contain_the_truth(film):
     hits = []
     for seed in range(3):
@@ -56,6 +57,7 @@ def test_noisy_data_give_intervals_that_contain_the_truth(film):
     assert np.mean(hits) > 0.8
 
 
+@pytest.mark.slow
 def test_order_of_dimensions_holes_and_units_do_not_matter(film):
     data = part(film, 0.02)
     fit = cy.fit(data)
@@ -81,6 +83,7 @@ def test_order_of_dimensions_holes_and_units_do_not_matter(film):
         assert found[name] == pytest.approx(TRUTH[name], rel=0.1)
 
 
+@pytest.mark.slow
 def test_units_of_speed_are_found(film):
     """The same film, measured with a unit of speed that is too small by half and clocks to match."""
     fit, data = cy.fit(part(film)), part(film)
@@ -98,6 +101,7 @@ def test_fixed_values_and_chosen_parameters(film):
     assert fit.fixed == {"mu": 0.1, "epsilon": 0.1}
 
 
+@pytest.mark.slow
 def test_an_uncertain_geometry_widens_the_intervals(film):
     data = film.isel(theta=slice(9, 24))
     sure, unsure = cy.fit(data), cy.fit(data, geometry={"axis_deg": 1.0, "radius": 0.02})

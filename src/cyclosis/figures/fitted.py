@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..fitting.result import Fit
-from ..model.definitions import PARAMETERS
 from ..model.doors import door
 from ..model.errors import InputError, number
 from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
@@ -18,7 +17,10 @@ if TYPE_CHECKING:
     import xarray
 
 _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _ROW = 14.0, 6.0, 13.0, 9.0, 30.0, 7.5
-SYMBOLS = {**{item.name: item.symbol for item in PARAMETERS}, "U": "U"}
+SYMBOLS = {
+    **{"alpha_p": r"$\alpha_p$", "alpha_u": r"$\alpha_u$", "epsilon": r"$\epsilon$", "kappa": r"$\kappa$"},
+    **{"d_s": "$d^{(s)}$", "d_r": "$d^{(r)}$", "mu": r"$\mu$", "U": "$U$"},
+}
 
 
 @door
