@@ -55,9 +55,7 @@ def main() -> None:
             *sorted(set(refused))[:2],
             sep="\n",
         )
-        print(
-            "| parameter | told | mean error, % | deviation, % | half width, % | intervals with the truth, % |"
-        )
+        print("| parameter | told | mean error, % | deviation, % | half width, % | covered, % |")
         print("|---|---:|---:|---:|---:|---:|")
         every = []
         for name in fits[0].estimate:

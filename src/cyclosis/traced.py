@@ -119,7 +119,7 @@ def rollout(
         >>> values = {"alpha_p": 1.0, "mu": 0.05, "kappa": 0.5}
         >>> by_values, by_start = jax.grad(speed, argnums=(0, 1))(values, jax.numpy.asarray(start))
         >>> by_start.shape, {name: round(float(slope), 3) for name, slope in by_values.items()}
-        ((2, 16, 16), {'alpha_p': 0.438, 'kappa': 0.0, 'mu': -0.547})
+        ((2, 16, 16), {'alpha_p': 0.047, 'kappa': 0.0, 'mu': -0.652})
     """
     steps = plan(_times(times), _plain("dt", dt, 1e-9, 1e3, "the default is 0.1"))
     system, spectrum = _prepared(params, grid, P0, terms, precision, values, closure)

@@ -32,11 +32,15 @@ def fitted(found: Fit, width: float = WIDTH) -> Figure:
     standard deviation. All are dimensionless. A profile has its fit with a band below.
 
     Example:
+        >>> import numpy as np
+        >>> import xarray
         >>> import cyclosis as cy
         >>> from cyclosis.figures import fitted
         >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
-        >>> data = state.to_dataset().expand_dims(component=["theta", "z"], z=[0.0]) * [[0.0], [1.0]]
-        >>> figure = fitted.fitted(cy.fit(data[["u"]], method="profile"))
+        >>> u = np.stack([0 * state.u, state.u])[:, :, None]
+        >>> places = {"theta": state.theta, "z": [0.0]}
+        >>> data = xarray.Dataset({"u": (("component", "theta", "z"), u)}, places)
+        >>> figure = fitted.fitted(cy.fit(data, method="profile"))
         >>> len(figure.axes)
         3
     """

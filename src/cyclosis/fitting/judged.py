@@ -18,6 +18,8 @@ WEAK = 10.0
 """Least F of the instruments of a parameter."""
 NOISY = 0.2
 """Largest noise, as a share of the peak, that was tried."""
+EXACT = 1e-6
+"""Share of the residual below which added noise shows that the data are exact: nothing is compared."""
 WRONG = (2.0, 0.05)
 """A model does not fit if it leaves this many times the noise, and this share of the signal."""
 ABOUT_STEADY = (
@@ -99,7 +101,7 @@ def _judged(
         if not T95 * deviation[name] < abs(value) * VAGUE
     }
     residual, wrong = _residual(found)
-    if wrong:
+    if wrong and not steady:  # of a steady film the left-hand side is noise
         sentence = (
             f"The model does not fit: it leaves {residual:.3g} times the noise; check the geometry, "
             f"the direction "
@@ -190,8 +192,8 @@ def _residual(found: Repeats) -> tuple[float, bool]:
     worst, wrong = 1.0, False
     for kind, left in found.first.residual.items():
         again = float(np.mean([each.residual[kind] for each in found.noisy]))
-        noise = max(again - left, 1e-300)  # the repeats have twice the noise
-        ratio = float(np.sqrt(left / noise))
+        noise = again - left  # the repeats have twice the noise
+        ratio = float(np.sqrt(left / noise)) if noise > EXACT * left else 1.0
         wrong |= ratio > WRONG[0] and left > WRONG[1] ** 2
         worst = ratio if abs(np.log(ratio)) > abs(np.log(worst)) else worst
     return worst, bool(wrong)

@@ -59,10 +59,13 @@ class Fit:
 
     Example:
         >>> import numpy as np
+        >>> import xarray
         >>> import cyclosis as cy
         >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
-        >>> data = state.to_dataset().expand_dims(component=["theta", "z"], z=[0.0]) * [[0.0], [1.0]]
-        >>> fit = cy.fit(data.transpose("component", "theta", "z")[["u"]], method="profile")
+        >>> u = np.stack([0 * state.u, state.u])[:, :, None]
+        >>> places = {"theta": state.theta, "z": [0.0]}
+        >>> data = xarray.Dataset({"u": (("component", "theta", "z"), u)}, places)
+        >>> fit = cy.fit(data, method="profile")
         >>> fit.method, bool(np.isnan(fit.estimate["alpha_p"])), fit.refused is not None
         ('profile', True, True)
     """
@@ -89,10 +92,14 @@ class Fit:
         `InputError` for a fit by `equation`, which integrates no model, and for one that was refused.
 
         Example:
+            >>> import numpy as np
+            >>> import xarray
             >>> import cyclosis as cy
             >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
-            >>> data = state.to_dataset().expand_dims(component=["theta", "z"], z=[0.0]) * [[0.0], [1.0]]
-            >>> fit = cy.fit(data[["u"]], method="profile", fix={"alpha_p": 1.0})
+            >>> u = np.stack([0 * state.u, state.u])[:, :, None]
+            >>> places = {"theta": state.theta, "z": [0.0]}
+            >>> data = xarray.Dataset({"u": (("component", "theta", "z"), u)}, places)
+            >>> fit = cy.fit(data, method="profile", fix={"alpha_p": 1.0})
             >>> bool(abs(fit.predict()["u"] - state.u).max() < 0.05)
             True
         """
@@ -106,10 +113,14 @@ class Fit:
         """Return the fit as an `xarray.Dataset` over `parameter` and `direction`, dimensionless.
 
         Example:
+            >>> import numpy as np
+            >>> import xarray
             >>> import cyclosis as cy
             >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
-            >>> data = state.to_dataset().expand_dims(component=["theta", "z"], z=[0.0]) * [[0.0], [1.0]]
-            >>> sorted(cy.fit(data[["u"]], method="profile").to_dataset().data_vars)[:3]
+            >>> u = np.stack([0 * state.u, state.u])[:, :, None]
+            >>> places = {"theta": state.theta, "z": [0.0]}
+            >>> data = xarray.Dataset({"u": (("component", "theta", "z"), u)}, places)
+            >>> sorted(cy.fit(data, method="profile").to_dataset().data_vars)[:3]
             ['covariance', 'deviation', 'estimate']
         """
         import xarray

@@ -138,7 +138,8 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
     logs = dict(zip(asked, spread.tolist(), strict=True))
     lost = {name for name in free if logs.get(name, np.inf) > LOST}
     sentence = _said(names, lost, fixed)
-    if data.estimated and residual > 2.0 and _share(left, data) > 0.05:
+    wrong = data.estimated and residual > 2.0 and _share(left, data) > 0.05
+    if wrong:
         sentence = (
             f"Steady stripes of the model do not fit this profile: they leave {residual:.3g} times "
             f"the noise; check "
@@ -178,7 +179,7 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
         {},
         film.scales,
         seed,
-        None if lost == set(free) else lambda: _predicted(state, values["U"], zone, rows, data),
+        None if wrong else lambda: _predicted(state, values["U"], zone, rows, data),
     )
 
 
