@@ -369,6 +369,7 @@ FIGURES = {
     "cyclosis.figures.vacuole_poincare": ["vacuole_poincare"],
     "cyclosis.figures.dye": ["dye"],
     "cyclosis.figures.measured": ["measurement", "comparison"],
+    "cyclosis.figures.fitted": ["fitted"],
     "cyclosis.figures.style": ["save"],
 }
 """The functions that draw and write figures, by module."""
@@ -421,6 +422,12 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
         "reading measurements, the camera, and comparing with runs",
         "",
         ("cyclosis.observations",),
+    ),
+    "fitting": (
+        "Fits",
+        "the model fitted to a measurement, with what it cannot tell",
+        "fit",
+        ("cyclosis.fitting",),
     ),
     "traced": ("For JAX", "the functions that `jit`, `grad` and `vmap` may trace", "", ("cyclosis.traced",)),
 }

@@ -66,6 +66,12 @@ def test_every_page_is_in_one_table_of_contents():
     assert sorted(entries) == sorted(page for page in SITE if page != DOCS / "index.md")
 
 
+def test_no_page_holds_two_versions_of_a_text():
+    """As a merge leaves them where both sides have changed it."""
+    for page in (*DOCS.rglob("*.md"), *ROOT.glob("*.md")):
+        assert not re.search(r"^(<{7}|>{7}|={7}$)", page.read_text(), re.MULTILINE), page
+
+
 def test_the_site_is_built_from_pages_that_run():
     conf = (DOCS / "conf.py").read_text()
     for line in ('nb_execution_mode = "force"', "nb_execution_raise_on_error = True", '"myst_nb"'):

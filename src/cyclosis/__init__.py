@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from .dynamics.simulate import simulate as simulate
     from .dynamics.trajectory import Status as Status
     from .dynamics.trajectory import Trajectory as Trajectory
+    from .fitting.fit import fit as fit
     from .model import initial as initial
     from .model import regions as regions
     from .model.errors import InputError as InputError
@@ -94,6 +95,7 @@ _HOME = {
     "change": "dynamics.protocol",
     "depolymerise": "dynamics.protocol",
     "diagnose": "models.fields",
+    "fit": "fitting.fit",
     "flow": "models.fields",
     "fragment": "dynamics.protocol",
     "interpolate": "model.grid",

@@ -11,7 +11,11 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
 
+from .dynamics.rollout import march, plan
+from .model.arrays import numbers
 from .model.carried import traced
 from .model.definitions import definition
 from .model.doors import traced_door
@@ -78,6 +82,68 @@ def rate_of_change(
     now = time if traced(time) else number("time", time, -1e12, 1e12, "the default is 0")
     system, spectrum = _prepared(params, grid, P, terms, precision, values, closure)
     return unpack(jnp.fft.ifft2(system.rate(system.at(spectrum, now))))
+
+
+@traced_door
+def rollout(
+    params: Parameters,
+    grid: CylinderGrid,
+    P0: Any,
+    times: npt.ArrayLike,
+    dt: float = 0.1,
+    *,
+    terms: Iterable[TermLike] | None = None,
+    precision: str = "float64",
+    closure: str = "paper",
+    **values: Any,
+) -> jax.Array:
+    """Return P (n, 2, n_theta, n_z) at `times` (n,) of a run from P0 at t = 0, dimensionless (R/U).
+
+    The steps are those of `simulate(stepper="etdrk4", dt=dt)`: an interval between two times is cut into
+    equal steps no longer than dt. It can be differentiated in `values` and in P0 (2, n_theta, n_z), in
+    reverse and forward mode, and mapped by `jax.vmap`; `times`, `dt` and `terms` are plain. In reverse mode
+    every step is computed again, so that the memory is one spectrum per step: a gradient in any number of
+    parameters and in all of P0 costs about as much as five runs. `values` and errors are those of
+    `flow`, and `closure` that of `cyclosis.models.polar_model`. Raises `InputError` for times that are
+    negative or do not increase. Neither |P| <= 1 nor the resolution is checked on the way.
+
+    Example: how the speed that a cell has reached at t = 4 depends on three parameters and on its start.
+        >>> import jax
+        >>> import cyclosis as cy
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> start = cy.initial.stripes(grid, magnitude=0.3)
+        >>> def speed(values, P0):
+        ...     P = cy.traced.rollout(params, grid, P0, [2.0, 4.0], precision="float32", **values)
+        ...     u = cy.traced.flow(params, grid, P[-1], precision="float32", **values)
+        ...     return (u**2).mean() ** 0.5
+        >>> values = {"alpha_p": 1.0, "mu": 0.05, "kappa": 0.5}
+        >>> by_values, by_start = jax.grad(speed, argnums=(0, 1))(values, jax.numpy.asarray(start))
+        >>> by_start.shape, {name: round(float(slope), 3) for name, slope in by_values.items()}
+        ((2, 16, 16), {'alpha_p': 0.047, 'kappa': 0.0, 'mu': -0.652})
+    """
+    steps = plan(_times(times), _plain("dt", dt, 1e-9, 1e3, "the default is 0.1"))
+    system, spectrum = _prepared(params, grid, P0, terms, precision, values, closure)
+    spectra = march(system, spectrum, steps, max(int(steps.counts.max()), 1))
+    fields = jnp.fft.ifft2(spectra)
+    return jnp.stack([fields.real, fields.imag], axis=1)
+
+
+def _times(times: Any) -> npt.NDArray[np.float64]:
+    rule, remedy = "a list of times from 0 on that increase", "sort them, and begin with 0 for P0 itself"
+    if traced(times):
+        raise InputError("times", times, "plain numbers, because the steps depend on them", "fix them")
+    given = np.atleast_1d(numbers("times", times, rule, remedy))
+    if given.ndim != 1 or not given.size or given[0] < 0 or not np.all(np.diff(given) > 0):
+        raise InputError("times", given, rule, remedy)
+    if not np.all(np.isfinite(given)):
+        raise InputError("times", given, rule, remedy)
+    return given
+
+
+def _plain(name: str, value: Any, low: float, high: float, remedy: str) -> float:
+    if traced(value):
+        raise InputError(name, value, "a plain number, because the steps depend on it", "fix it")
+    return number(name, value, low, high, remedy)
 
 
 def _prepared(

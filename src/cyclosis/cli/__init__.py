@@ -16,6 +16,7 @@ from . import runs, terminal
 from .experiments import experiment
 from .explorer import explore
 from .figures import figures
+from .fitting import fit
 from .measured import compare, measure
 from .observe import observe
 from .options import command, commands
@@ -42,6 +43,12 @@ command(
 )(measure)
 command(app, "compare cell.nc run.nc --out compared.png")(compare)
 command(app, "explore")(explore)
+command(
+    app,
+    "fit cell.nc",
+    "fit cell.nc --parameters alpha_p,kappa --fix mu=0.05 -o fit.nc -o fit.png",
+    "fit cell.nc --geometry axis_deg=0.5 --radius-um 500 --speed-um-per-s 80",
+)(fit)
 command(
     app,
     "vacuole run.nc",

@@ -158,7 +158,7 @@ def _stack(path: Path, span: tuple[int, int | None], every: int, light: str) -> 
             series = file.series[0]
             shape, axes = series.shape, series.axes
             about = file.imagej_metadata or {}
-            tags = file.pages[0].tags
+            tags: Any = getattr(file.pages[0], "tags", {})
             resolution = tags["XResolution"].value if "XResolution" in tags else None
             turn, planes, colours = _order(path, shape, axes)
             count = int(np.prod([shape[k] for k in turn]) if turn else 1)

@@ -1,0 +1,5 @@
+"""Fitting the model to a measurement: estimates, what they are worth, and what cannot be told."""
+
+from .fit import fit as fit
+from .result import Direction as Direction
+from .result import Fit as Fit

@@ -1,0 +1,221 @@
+"""A measurement made plain: its fields on one window of the surface, what was seen, and its noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import comb
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model.errors import InputError
+from ..model.grid import Array
+from ..model.scales import Scales
+
+if TYPE_CHECKING:
+    import xarray
+
+ORDERS = (3, 4, 5)
+"""Orders of the time differences from which noise is estimated; the one with least signal is taken."""
+HOLES = 0.1
+"""Share of the frames in which a point may be unseen and is still filled from its neighbours in time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """The order P and the flow u, each (n, 2, n_theta, n_z) or None, at `times` (n,), in R, R/U and U.
+
+    `theta` and `z` are the window's coordinates, increasing. `seen` (n_theta, n_z) says where there are
+    values; they are filled with 0 elsewhere. `facing` is the angle that faces the camera, and
+    `scales` are those by which the file's units were divided.
+    """
+
+    times: Array
+    theta: Array
+    z: Array
+    P: Array | None
+    u: Array | None
+    seen: npt.NDArray[np.bool_]
+    facing: float
+    scales: Scales | None
+    attributes: dict[str, Any]
+
+    @property
+    def frames(self) -> int:
+        """The number of frames."""
+        return self.times.size
+
+    def with_fields(self, P: Array | None, u: Array | None) -> Film:
+        """Return the same film with other fields."""
+        return replace(self, P=P, u=u)
+
+
+def film_of(data: Any, scales: Scales | None) -> Film:
+    """Return the `Film` of a dataset, or raise `InputError` for one that is not a measurement."""
+    import xarray
+
+    if not isinstance(data, xarray.Dataset):
+        rule = "an xarray.Dataset with P and u, or u alone, over time, component, theta and z"
+        raise InputError("data", data, rule, "open it by cyclosis.open_dataset or xarray.open_dataset")
+    fields = {name: _field(data, name) for name in ("P", "u") if name in data}
+    if not fields:
+        rule = "a dataset with P and u, or u alone"
+        raise InputError("data", ", ".join(map(str, data.data_vars)), rule, "name its variables P and u")
+    one = next(iter(fields.values()))
+    if scales is None and "radius_um" in data.attrs and "speed_um_per_s" in data.attrs:
+        scales = Scales(float(data.attrs["radius_um"]), float(data.attrs["speed_um_per_s"]))
+    times = _coordinate(one, "time", scales) if "time" in one.dims else np.zeros(1)
+    theta, z = _coordinate(one, "theta", scales), _coordinate(one, "z", scales)
+    dims = ("time", "component", "theta", "z")
+    arrays = {name: np.asarray(_plain(f, dims).values, np.float64) for name, f in fields.items()}
+    unit = _unit(fields["u"]) if "u" in fields else None
+    if unit is not None:
+        arrays["u"] = _divided("u", arrays["u"], unit, scales)
+    theta = np.unwrap(theta) if theta.size > 1 else theta
+    facing = _facing(data, theta)
+    order_t, order_z = np.argsort(theta, kind="stable"), np.argsort(z, kind="stable")
+    if not np.all(np.diff(times) > 0):
+        raise InputError("time", times, "increasing", "sort the frames, and leave out repeats")
+    for name, points in (("theta", theta[order_t]), ("z", z[order_z])):
+        if not np.all(np.diff(points) > 0):
+            raise InputError(name, points, "without repeated points", "leave out the repeats")
+    known = np.ones((times.size, theta.size, z.size), bool)
+    for name, array in arrays.items():
+        arrays[name] = array = array[:, :, order_t][..., order_z]
+        known &= np.isfinite(array).all(axis=1)
+    seen = known.mean(axis=0) >= 1 - HOLES
+    filled = {name: _filled(array, known, seen) for name, array in arrays.items()}
+    return Film(
+        times,
+        theta[order_t],
+        z[order_z],
+        filled.get("P"),
+        filled.get("u"),
+        seen,
+        facing,
+        scales,
+        {str(key): value for key, value in data.attrs.items()},
+    )
+
+
+def noise_of(field: Array, seen: npt.NDArray[np.bool_]) -> Array:
+    """Return the variance of the noise of a field (n, 2, n_theta, n_z), as (2, n_theta, n_z).
+
+    The k-th difference in time of white noise of variance s² has the variance C(2k, k) s²; a smooth signal
+    adds the less to it the larger k is. It is averaged along z, because what is seen obliquely is noisier.
+    """
+    best: Array | None = None
+    for order in ORDERS:
+        if field.shape[0] <= order + 1:
+            break
+        square = np.mean(np.diff(field, order, axis=0) ** 2, axis=0) / comb(2 * order, order)
+        if best is None or square[:, seen].sum() < best[:, seen].sum():
+            best = square
+    if best is None:
+        return np.zeros(field.shape[1:])
+    count = np.maximum(seen.sum(axis=1), 1)
+    rows = np.where(seen, best, 0.0).sum(axis=2) / count
+    return np.repeat(rows[:, :, None], field.shape[3], axis=2)
+
+
+def surrogate(field: Array, variance: Array, rng: np.random.Generator) -> Array:
+    """Return noise like that of a field, with the same pattern in space and none in time.
+
+    Its frames are those of the third difference in random order and with random signs, so that vectors that
+    share pixels stay correlated.
+    """
+    pool = np.diff(field, 3, axis=0)
+    drawn = pool[rng.integers(0, pool.shape[0], field.shape[0])]
+    drawn = drawn * rng.choice([-1.0, 1.0], (field.shape[0], 1, 1, 1))
+    scale = np.sqrt(np.mean(pool**2, axis=(0, 3), keepdims=True))
+    size = np.sqrt(variance.mean(axis=2, keepdims=True))[None]
+    return drawn * np.where(scale > 0, size / np.where(scale > 0, scale, 1.0), 0.0)
+
+
+def _field(data: xarray.Dataset, name: str) -> xarray.DataArray:
+    array = data[name]
+    missing = [dim for dim in ("component", "theta", "z") if dim not in array.dims]
+    extra = [str(dim) for dim in array.dims if dim not in ("time", "component", "theta", "z")]
+    if missing or extra or array.sizes.get("component") != 2:
+        rule = "over time, component (theta, z), theta and z"
+        raise InputError(f"{name} of the data", tuple(array.dims), rule, "put it on the unrolled surface")
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{name} of the data", str(array.dtype), "of real numbers", "convert it")
+    if array.size == 0 or not np.isfinite(array.values).any():
+        raise InputError(f"{name} of the data", array.shape, "seen somewhere", "give its values")
+    return array
+
+
+def _plain(array: xarray.DataArray, dims: tuple[str, ...]) -> xarray.DataArray:
+    if "time" not in array.dims:
+        array = array.expand_dims("time")
+    labels = array.coords.get("component")
+    if labels is not None and [str(label) for label in labels.values] == ["z", "theta"]:
+        array = array.isel(component=[1, 0])
+    return array.transpose(*dims)
+
+
+def _unit(array: xarray.DataArray) -> str | None:
+    unit = str(array.attrs.get("units", array.attrs.get("unit", "1"))).strip()
+    return (
+        None
+        if unit.lower() in ("", "1", "dimensionless", "u", "r/u", "r", "rad", "radian", "radians")
+        else unit
+    )
+
+
+def _coordinate(array: xarray.DataArray, name: str, scales: Scales | None) -> Array:
+    if name not in array.coords:
+        raise InputError(f"{name} of the data", None, "given as a coordinate", f"assign_coords({name}=...)")
+    points = array.coords[name]
+    if points.dtype.kind not in "iuf":
+        raise InputError(f"{name} of the data", str(points.dtype), "plain numbers", "decode_times=False")
+    values = np.asarray(points.values, np.float64)
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{name} of the data", values, "finite", "leave out what has no place")
+    unit = _unit(points)
+    return values if unit is None else _divided(name, values, unit, scales)
+
+
+_FACTORS = {
+    "time": {"s": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "min": 60.0, "minutes": 60.0, "h": 3600.0},
+    "z": {"um": 1.0, "µm": 1.0, "μm": 1.0, "micrometer": 1.0, "mm": 1e3, "m": 1e6},
+    "u": {"um/s": 1.0, "µm/s": 1.0, "μm/s": 1.0, "um s-1": 1.0, "mm/s": 1e3, "m/s": 1e6, "m s-1": 1e6},
+    "theta": {"deg": np.pi / 180, "degree": np.pi / 180, "degrees": np.pi / 180},
+}
+_SCALE = {"time": "time_s", "z": "radius_um", "u": "speed_um_per_s"}
+
+
+def _divided(name: str, values: Array, unit: str, scales: Scales | None) -> Array:
+    """Return values of a unit in units of the model."""
+    factor = _FACTORS[name].get(unit)
+    if factor is None:
+        known = ", ".join(["1", *_FACTORS[name]])
+        raise InputError(f"units of {name}", unit, f"one of {known}", "convert it")
+    if name == "theta":
+        return values * factor
+    if scales is None:
+        rule = "given with the scales of the cell"
+        raise InputError(
+            f"units of {name}", unit, rule, "add scales=cyclosis.Scales(radius_um, speed_um_per_s)"
+        )
+    return values * (factor / float(getattr(scales, _SCALE[name])))
+
+
+def _facing(data: xarray.Dataset, theta: Array) -> float:
+    for name in ("facing", "theta_facing"):
+        if name in data.attrs:
+            return float(data.attrs[name])
+    return float(0.5 * (theta[0] + theta[-1]))
+
+
+def _filled(array: Array, known: npt.NDArray[np.bool_], seen: npt.NDArray[np.bool_]) -> Array:
+    """Return an array with holes filled by interpolation in time, and 0 where nothing was seen."""
+    out = np.where(seen, array, 0.0)
+    frames = np.arange(array.shape[0])
+    for i, j in zip(*np.nonzero(seen & ~known.all(axis=0)), strict=True):
+        good = known[:, i, j]
+        for c in range(2):
+            out[~good, c, i, j] = np.interp(frames[~good], frames[good], array[good, c, i, j])
+    return out
