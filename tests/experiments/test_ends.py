@@ -141,7 +141,7 @@ def test_more_seeds_are_computed_where_the_first_ends_are_mixed(monkeypatch):
     assert np.isnan(found[0, 10:]).all()
     assert not np.isnan(found[1]).any()
     words = subject.verdict(made()).measured
-    assert "At k_max 24 two streams have 10 of 10 in a capsule at (1, 0.5)" in words
+    assert "At k_max 24: 10 of 10 capsules at (1, 0.5)" in words
     assert "cylinder 7: 0 of 20, 10 of 20, 20 of 20" in words
 
 

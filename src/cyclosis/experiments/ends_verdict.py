@@ -116,10 +116,15 @@ def onset(data: xarray.Dataset, alpha_u: float) -> float:
 def _line_in_words(data: xarray.Dataset) -> str:
     """Return the share of two streams along the line, for every shape and repulsion."""
     found = counts(kinds(data["line"].transpose("other", "line_alpha_u", "line_seed", "number")))
-    words = [
-        f"{name.replace(', principal', '')}: {', '.join(f'{row[1]} of {row.sum()}' for row in rows)}"
-        for name, rows in zip(data["other"].values, found, strict=True)
-    ]
+    words = []
+    for name, rows in zip(data["other"].values, found, strict=True):
+        shares = [f"{row[1]} of {row.sum()}" for row in rows]
+        told = (
+            shares[0] + (" everywhere" if len(shares) > 1 else "")
+            if len(set(shares)) == 1
+            else ", ".join(shares)
+        )
+        words.append(f"{name.replace(', principal', '')}: {told}")
     return "; ".join(words)
 
 
@@ -156,7 +161,7 @@ def _fine_in_words(data: xarray.Dataset) -> str:
         *(data[f"point_{name}"].values for name in ("shape", "alpha_p", "alpha_u")), found, strict=True
     )
     return ", ".join(
-        f"{row[1]} of {row.sum()} in a {shape.split()[0]} at ({p:g}, {u:g})" for shape, p, u, row in places
+        f"{row[1]} of {row.sum()} {shape.split()[0]}s at ({p:g}, {u:g})" for shape, p, u, row in places
     )
 
 
@@ -189,8 +194,8 @@ def verdict(data: xarray.Dataset) -> Verdict:
         f"{lasting[CAPSULE][0]} of {lasting[CAPSULE][1]} places on the capsule and {lasting[SPHEROID][0]} of "
         f"{lasting[SPHEROID][1]} on the spheroid, and unstable in {passing} that have it. On the capsule it "
         f"is unstable above ε = {onset(data, 0.0):.3f} at (0.5, 0): {_pushed_in_words(data)}. "
-        f"Two streams at α_p = 0.5 and α_u = {along} have: {_line_in_words(data)}. At k_max "
-        f"{float(data['point_k_max'][0]):g} two streams have {_fine_in_words(data)}"
+        f"Cells with two streams at α_p = 0.5 and α_u = {along}: {_line_in_words(data)}. At k_max "
+        f"{float(data['point_k_max'][0]):g}: {_fine_in_words(data)}"
     )
     if not both.any() and min(p.values()) > SURE / len(p):
         return Verdict(AGREES, text)
