@@ -26,6 +26,9 @@ READING = {
     "figure roses": "figure roses IN --out r.png",
     "vacuole": "vacuole IN --out inside",
     "fit": "fit IN --out fit.nc",
+    "measure": "measure IN --y down --speed px/s",
+    "compare": "compare IN IN --out c.png",
+    "observe": "observe IN --out observed",
     "figure phase-diagram": "figure phase-diagram IN --out d.png",
     "sweep plan": "sweep plan IN",
     "sweep run": "sweep run IN --out store-new --workers 1",
@@ -48,6 +51,9 @@ WRITING = {
     "figure roses": "figure roses KINETIC --out OUT.png",
     "vacuole": "vacuole RUN --out OUT",
     "fit": "fit RUN --method profile --quiet --out OUT.nc",
+    "measure": "measure FIELD --y down --speed px/s --radius-px 40 --axis 0 --centre 0,40 --out OUT.nc",
+    "compare": "compare RUN RUN --out OUT.png",
+    "observe": "observe RUN --as piv --radius-px 30 --out OUT",
     "figure phase-diagram": "figure phase-diagram EXPORT --out OUT.png",
     "sweep run": "sweep run SWEEP --out OUT --workers 1",
     "sweep export": "sweep export STORE --out OUT.csv",
@@ -61,7 +67,7 @@ WRITING = {
 }
 """Every command that writes a file."""
 NEITHER = {"doctor", "explore"}
-MAKES_FOLDERS = ("export", "experiment", "vacuole")
+MAKES_FOLDERS = ("export", "experiment", "vacuole", "observe")
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +85,8 @@ def stands(tmp_path_factory):
         "grid = { n_theta = 16, n_z = 16 }\naxes = { alpha_p = { values = [0.01] } }\nrun = { t_end = 1.0 }\n"
     )
     (folder / "SWEEP").write_text(sweep)
+    rows = [f"{x} {y} 1.0 0.5 0 0" for y in range(8, 80, 8) for x in range(0, 160, 8)]
+    (folder / "FIELD").write_text("# x\ty\tu\tv\tflags\tmask\n" + "\n".join(rows) + "\n")
     from cyclosis.sweep.store.store import Store
 
     Store.create(folder / "STORE", cy.Sweep.from_toml(folder / "SWEEP"))
@@ -95,6 +103,7 @@ def place(tmp_path, monkeypatch):
 
 def spelt(line, stands):
     names = {"RUN": "RUN", "SWEEP": "SWEEP", "STORE": "STORE", "EXPORT": "EXPORT.nc", "KINETIC": "KINETIC"}
+    names["FIELD"] = "FIELD"
     return [str(stands / names[word]) if word in names else word for word in line.split()]
 
 

@@ -99,7 +99,8 @@ EXAMPLES = {
     **{"max_angle_deg": 80.0, "outside": "drop", "depth_um": 100.0, "scales": None, "depth_px": 10.0},
     **{"thickness_to_radius": 0.4, "no_slip_walls": 1, "ribbons": None, "figure": None},
     **{"data": None, "parameters": None, "fix": None, "method": "auto", "scales": None, "draws": 8},
-    **{"geometry": None, "progress": None},
+    **{"geometry": None, "progress": None, "pairs": 2, "steady_stage": True, "size_px": (64, 64)},
+    **{"view": cy.observations.View(30.0), "centred": True},
 }
 
 

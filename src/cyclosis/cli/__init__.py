@@ -46,8 +46,8 @@ command(app, "explore")(explore)
 command(
     app,
     "fit cell.nc",
-    "fit cell.nc --parameters alpha_p,kappa --fix mu=0.05 -o fit.nc -o fit.png",
-    "fit cell.nc --geometry axis_deg=0.5 --radius-um 500 --speed-um-per-s 80",
+    "fit cell.nc --parameters alpha_p,kappa --fix mu=0.05 -o fit.png",
+    "fit cell.nc --geometry axis_deg=0.5 --method equation",
 )(fit)
 command(
     app,
