@@ -11,7 +11,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from ..model.doors import door
-from ..model.errors import InputError
+from ..model.errors import InputError, whole
 from .style import DOWN, INK, POLARITY, QUIET, TYPE, UP, WIDTH, blank, place
 
 MOST_ARROWS = 900
@@ -22,7 +22,11 @@ _HALF = 78.0
 
 @door
 def measurement(
-    obs: Any, data: Any, image: npt.ArrayLike | None = None, depth_um: float | None = None
+    obs: Any,
+    data: Any,
+    image: npt.ArrayLike | None = None,
+    depth_um: float | None = None,
+    frame: int | None = None,
 ) -> Figure:
     """Return a figure of a measurement: the image with what was seen on it, and the unrolled map.
 
@@ -30,7 +34,7 @@ def measurement(
     picture of the cell, if there is one. The image shows the axis, the rim, the edge of the sharp cap for a
     depth of field `depth_um`, and the vectors, purple towards +z and green against it; crosses are those
     that do not count. The map has the velocity along the cell in the same colours, as a share of its
-    largest size.
+    largest size. `frame` chooses one of several times; by default it is the one of the fastest flow.
 
     Example:
         >>> import cyclosis as cy
@@ -47,13 +51,16 @@ def measurement(
         height = 82.0
         figure = blank(WIDTH, height)
         ax = place(figure, 12.0, 12.0, WIDTH - _HALF - 24.0, height - 22.0)
-        _image(ax, obs, view, None if image is None else np.asarray(image, dtype=np.float64), depth_um)
+        chosen = _chosen(data, "u", frame)
+        picture = None if image is None else np.asarray(image, dtype=np.float64)
+        held = obs.frames[chosen if len(obs.frames) == data.sizes["time"] else 0] if obs.frames else None
+        _image(ax, obs, view, held, picture, depth_um)
         second = place(figure, WIDTH - _HALF, 12.0, _HALF - 26.0, height - 22.0)
         name = "u" if "u" in data else "angle"
         values = (
-            data["u"].isel(time=0).sel(component="z").values
+            data["u"].isel(time=chosen).sel(component="z").values
             if name == "u"
-            else np.degrees(data["angle"].isel(time=0).values)
+            else np.degrees(data["angle"].isel(time=chosen).values)
         )
         shown = _map(
             second, data, values, POLARITY if name == "u" else "twilight", None if name == "u" else 90.0
@@ -61,13 +68,15 @@ def measurement(
         unit = {"1": "U", "s-1": "R/s", "frame-1": "R/frame"}.get(data[name].attrs.get("units", ""), "")
         label = rf"$u_z$ ({unit})" if name == "u" else "angle from +z (degrees)"
         _key(figure, shown, WIDTH - 22.0, 12.0, height - 22.0, label)
-        second.set_title("on the surface", fontsize=10.0)
+        second.set_title("on the surface" + _when(data, chosen), fontsize=10.0)
     return figure
 
 
 @door
-def comparison(data: Any, frame: int = 0) -> Figure:
+def comparison(data: Any, frame: int | None = None) -> Figure:
     """Return the figure measured | model | residual of the dataset of a `Comparison`, at one frame.
+
+    Without `frame` it is the one of the fastest measured flow.
 
     Colours are the velocity along the cell as a share of the largest, arrows the velocity. The residual is
     that of u_z in units of the noise, or as a share of the peak where the noise is not known.
@@ -81,7 +90,8 @@ def comparison(data: Any, frame: int = 0) -> Figure:
         >>> [ax.get_title() for ax in comparison(fit.dataset).axes[:3]]
         ['measured', 'model', 'residual']
     """
-    now = data.isel(time=frame)
+    chosen = _chosen(data, "measured", frame)
+    now = data.isel(time=chosen)
     with matplotlib.rc_context(TYPE):
         height = 88.0
         figure = blank(WIDTH, height)
@@ -99,18 +109,34 @@ def comparison(data: Any, frame: int = 0) -> Figure:
                 _arrows(ax, now, now[name].values)
             if k:
                 ax.set_ylabel("")
-            ax.set_title(name, fontsize=10.0)
+            ax.set_title(name + ("" if k else _when(data, chosen)), fontsize=10.0)
     return figure
 
 
-def _image(ax: Any, obs: Any, view: Any, image: Any, depth_um: float | None) -> None:
+def _chosen(data: Any, name: str, frame: int | None) -> int:
+    """Return the number of the frame to show: the one asked for, or that of the fastest flow."""
+    count = data.sizes["time"]
+    if frame is not None:
+        return whole("frame", frame, -count, count - 1, "the dataset has no other") % count
+    if name not in data or count == 1:
+        return 0
+    places = [dim for dim in data[name].dims if dim not in ("time", "component")]
+    square = (data[name] ** 2).sum("component", skipna=False).mean(places)
+    return int(np.argmax(np.nan_to_num(square.values)))
+
+
+def _when(data: Any, frame: int) -> str:
+    """Return the time of a frame in words, where there are several."""
+    return f", t = {float(data['time'].values[frame]):.4g}" if data.sizes["time"] > 1 else ""
+
+
+def _image(ax: Any, obs: Any, view: Any, frame: Any, image: Any, depth_um: float | None) -> None:
     """Draw the image with axis, rim, cap and vectors."""
     if image is not None:
         picture = image.mean(axis=0) if image.ndim == 3 else image
         low, high = np.quantile(picture, (0.01, 0.995))
         ax.imshow(picture, cmap="gray", vmin=low, vmax=max(high, low + 1e-9), interpolation="bilinear")
     line = "#ffffff" if image is not None else INK
-    frame = obs.frames[0] if obs.frames else None
     ends = _ends(view, frame, image)
     for phi, style, width in ((0.0, (0, (6, 3)), 0.7), (-math.pi / 2, "-", 1.0), (math.pi / 2, "-", 1.0)):
         _meridian(ax, view, phi, ends, line, style, width)

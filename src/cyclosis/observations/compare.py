@@ -58,7 +58,7 @@ class Comparison:
     dataset: xarray.Dataset
 
     def figure(self) -> Figure:
-        """Return the figure measured | model | residual, of the first frame.
+        """Return the figure measured | model | residual, at the time of the fastest flow.
 
         Example:
             >>> import cyclosis as cy
