@@ -76,7 +76,7 @@ EXAMPLES = {
     **{"starts": [[0.5, 0.0, 0.0]], "save_at": [1.0], "order": 3, "refine": 1, "n_s": 16, "region": None},
     **{"transport": None, "peclets": [1.0, 10.0], "tracers": 2},
     **{"source": GRID, "t": 0.0, "radii": [0.0, 1.0], "a": 1.0, "b": 1.0},
-    **{"thickness_to_radius": 0.4, "no_slip_walls": 1, "ribbons": None, "figure": None},
+    **{"thickness_to_radius": 0.4, "no_slip_walls": 1, "ribbons": None, "figure": None, "scales": None},
 }
 
 
