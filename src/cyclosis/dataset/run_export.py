@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..model.errors import InputError, choice
+from ..model.units import scales_in
 from .place import check_writable, in_the_way
 from .replaced import fill_folder, put_whole, refuse_existing
 from .run_tables import TABLES, UNITS, Table, as_json, as_text, run_table, run_tables
-from .scaled import scales_in
 from .tables import write_netcdf
 from .vtk import export_vtk
 from .whole import unwritable

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..model.errors import InputError, choice
-from .scaled import scales_in
+from ..model.units import scales_in
 
 if TYPE_CHECKING:
     import xarray

@@ -6,17 +6,12 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from ..model.errors import InputError
-from ..model.units import of_table, table_of
+from ..model.units import of_table, stored, table_of
 
 if TYPE_CHECKING:
     import xarray
 
     from ..model.scales import Scales
-
-
-def scales_in(dataset: xarray.Dataset) -> Scales | None:
-    """Return the scales of a run's dataset, or None if it has none."""
-    return of_table(json.loads(dataset.attrs.get("scales", "{}")))
 
 
 def with_scales(
@@ -39,10 +34,9 @@ def with_scales(
     """
     if not hasattr(dataset, "assign_attrs"):
         raise InputError("dataset", type(dataset).__name__, "an xarray.Dataset", "use the dataset of a run")
-    stored = json.loads(dataset.attrs.get("scales", "{}"))
     given = {} if scales is None else table_of(scales)
     given |= {k: v for k, v in (("radius_um", radius_um), ("speed_um_s", speed_um_s)) if v is not None}
-    chosen = of_table(stored | given)
+    chosen = of_table(stored(dataset) | given)
     if chosen is None:
         return dataset
     return dataset.assign_attrs(scales=json.dumps(table_of(chosen), sort_keys=True))

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..model.grid import Array, covered
-from ..model.units import length_unit, speed_unit
+from ..model.units import length_unit, scales_in, speed_unit
 from .replaced import fill_folder
 from .revolved import Surface, is_revolved, revolved
-from .scaled import scales_in
 
 if TYPE_CHECKING:
     import xarray

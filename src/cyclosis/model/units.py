@@ -5,6 +5,7 @@ Results stay dimensionless: what is here only names and scales numbers on their 
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -50,6 +51,16 @@ def table_of(scales: Scales) -> dict[str, float]:
     }
 
 
+def stored(dataset: Any) -> dict[str, float]:
+    """Return the [scales] table of a run's dataset, {} if it has none."""
+    return dict(json.loads(dataset.attrs.get("scales", "{}")))
+
+
+def scales_in(dataset: Any) -> Scales | None:
+    """Return the scales of a run's dataset, or None if it has none."""
+    return of_table(stored(dataset))
+
+
 @dataclass(frozen=True)
 class Unit:
     """A unit for a quantity: `factor` takes a dimensionless number to a number of units called `name`."""
@@ -83,10 +94,10 @@ def time_unit(scales: Scales | None, last: float) -> Unit:
 
 
 def length_unit(scales: Scales | None, longest: float = 0.0) -> Unit:
-    """Return the unit in which lengths up to `longest` are shown: µm, or mm from 10 mm on."""
+    """Return the unit in which lengths up to `longest` are shown: µm, or mm from one on."""
     if scales is None:
         return PURE
-    if scales.micrometres(longest) >= 1e4:
+    if scales.micrometres(longest) >= 1e3:
         return Unit(scales.radius_um / 1e3, "mm")
     return Unit(scales.radius_um, "µm")
 
@@ -94,6 +105,12 @@ def length_unit(scales: Scales | None, longest: float = 0.0) -> Unit:
 def speed_unit(scales: Scales | None) -> Unit:
     """Return the unit in which speeds are shown: µm/s."""
     return PURE if scales is None else Unit(scales.speed_um_per_s, "µm/s")
+
+
+def length_text(length: float, scales: Scales | None, digits: str = "g") -> str:
+    """Return a length in radii as it stands at a tick: a number, and with scales its unit below it."""
+    unit = length_unit(scales, length)
+    return format(length, digits) if scales is None else f"{unit.factor * length:.3g}\n{unit.name}"
 
 
 def round_length(scales: Scales, about: float) -> tuple[float, str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..dynamics.protocol import Protocol
 from ..model.definitions import STEPPERS, TABLES, TERM_NAMES, definition, option
 from ..model.errors import InputError
-from ..model.units import NAMES
+from ..model.units import NAMES, stored
 
 if TYPE_CHECKING:
     import xarray
@@ -101,11 +101,6 @@ def _spelt(value: Any) -> str:
     return ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
 
 
-def stored_scales(dataset: xarray.Dataset) -> dict[str, float]:
-    """Return the physical units of a dataset as a [scales] table, {} if it has none."""
-    return dict(json.loads(dataset.attrs.get("scales", "{}")))
-
-
 def configured(dataset: xarray.Dataset, file: Path) -> str:
     """Return the configuration file that makes a run again. Raises `InputError` if there is none."""
     import tomli_w
@@ -115,4 +110,4 @@ def configured(dataset: xarray.Dataset, file: Path) -> str:
     if reason:
         rule = f"a run that a configuration makes, but {reason}"
         raise InputError("file", str(file), rule, "make it again in Python")
-    return tomli_w.dumps(tables_of(asked, stored_scales(dataset)))
+    return tomli_w.dumps(tables_of(asked, stored(dataset)))

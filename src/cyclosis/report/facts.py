@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dataset.scaled import scales_in
 from ..model.errors import InputError
-from .again import command_of, start_of, stored_scales
+from ..model.units import scales_in, stored
+from .again import command_of, start_of
 
 if TYPE_CHECKING:
     import xarray
@@ -38,7 +38,7 @@ def at_the_end(run: Trajectory) -> tuple[Any, dict[str, Any]]:
     assert model.regime is not None
     with double():
         numbers = model.measure(system, model.modes(system, state), run.t_final)
-    return model.regime(problem, state), numbers
+        return model.regime(problem, state), numbers
 
 
 def facts(run: Trajectory) -> dict[str, Any]:
@@ -86,7 +86,7 @@ def contents(dataset: xarray.Dataset, file: Path) -> dict[str, Any]:
     )
     judged = regime_of(file)
     told = {"regime": None} if judged is None else _judged(*judged)
-    scales = stored_scales(dataset)
+    scales = stored(dataset)
     times = dataset["time"].values
     kept = ("status", "status_time", "message", "t_final", "evaluations", "accepted", "rejected")
     return {

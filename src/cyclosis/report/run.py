@@ -6,9 +6,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..dataset.scaled import scales_in
-from ..model.units import speed_unit, time_unit
-from .again import command_of, start_of, stored_scales
+from ..model.units import scales_in, speed_unit, stored, time_unit
+from .again import command_of, start_of
 from .facts import at_the_end, regime_of
 from .lines import aligned
 
@@ -56,7 +55,7 @@ def tree(dataset: xarray.Dataset, file: Path) -> str:
     if scales is not None and times.size:
         unit = time_unit(scales, times[-1])
         span += f" ({unit.factor * times[0]:.4g} to {unit(times[-1])})"
-    again = command_of(asked, file, stored_scales(dataset))
+    again = command_of(asked, file, stored(dataset))
     lines = [
         f"cyclosis run: {run['message']}",
         *_regime(file, scales),
