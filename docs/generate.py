@@ -37,7 +37,7 @@ NOTE = "<!-- Written by docs/generate.py from the definitions in the code. -->\n
 def settings() -> str:
     """Return the page of every setting."""
     out = NOTE + "# Settings\n\nThe tables of `run.toml` and the options of `cyclosis run`. "
-    out += "All values are dimensionless.\n"
+    out += "All values but those of [scales] are dimensionless.\n"
     for table, items in TABLES.items():
         out += f"\n## [{table}]\n\n| name | option | symbol | meaning | allowed | default |\n"
         out += "|---|---|---|---|---|---|\n"

@@ -92,7 +92,7 @@ def test_the_options_of_a_run_stand_in_groups():
     out = said("run", "--help")[1]
     heads = re.findall(r"^(\w.*):$", out, re.MULTILINE)
     groups = ["Cell, [parameters]", "Grid, [grid]", "Initial state, [initial]", "Run, [run]"]
-    assert heads == ["Options", *groups, "Output"]
+    assert heads == ["Options", *groups, "Physical units, [scales]", "Output"]
     assert out.index("Cell, [") < out.index("--alpha-p") < out.index("Grid, [") < out.index("--n-z")
 
 

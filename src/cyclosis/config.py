@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import gc
+import sys
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,12 +16,14 @@ from .model.errors import InputError, closest
 from .model.starts import USED_BY as USED_BY
 from .model.starts import check_initial as check_initial
 from .model.starts import initial_state as initial_state
+from .model.units import of_table
 
 if TYPE_CHECKING:
     from .contract.model import Array, Model
     from .dynamics.protocol import Protocol
     from .dynamics.schedule import Schedule
     from .dynamics.settings import Settings
+    from .model.scales import Scales
 
 Tables = dict[str, dict[str, Any]]
 
@@ -37,6 +40,7 @@ class Setup:
     initial: dict[str, Any]
     schedule: Schedule
     model: Model
+    scales: Scales | None = None
 
     @property
     def protocol(self) -> Protocol:
@@ -70,9 +74,12 @@ def read_protocol(path: str | Path) -> list[Any]:
 
 
 def load(path: str | Path) -> dict[str, Any]:
-    """Return the contents of a TOML file, unchecked. Raises `InputError` if it is not a TOML file."""
+    """Return the contents of a TOML file, or of standard input for "-", unchecked.
+
+    Raises `InputError` if it is not TOML.
+    """
     try:
-        with open(path, "rb") as file, _uncollected():
+        with _opened(path) as file, _uncollected():
             return tomllib.load(file)
     except tomllib.TOMLDecodeError as error:
         raise InputError("config", str(path), "valid TOML", f"correct this: {error}") from error
@@ -85,6 +92,14 @@ def load(path: str | Path) -> dict[str, Any]:
         raise InputError(
             "config", str(path), "a file that can be read", f"check the path ({reason})"
         ) from error
+
+
+def _opened(path: str | Path) -> AbstractContextManager[Any]:
+    if str(path) != "-":
+        return open(path, "rb")
+    if sys.stdin is None:
+        raise InputError("config", "-", "a file where there is no standard input", "name a file")
+    return nullcontext(sys.stdin.buffer)
 
 
 @contextmanager
@@ -152,7 +167,8 @@ def setup(tables: Tables, steps: Any = ()) -> Setup:
     if protocol.random and "filaments_per_square" not in given and initial["kind"] != "disordered":
         given = {key: value for key, value in given.items() if key != "seed"}  # used by the protocol alone
     state = starts_of(model).make(given, grid)
-    return Setup(params, grid, state, Settings(**run), terms, initial, schedule, model)
+    scales = of_table(tables.get("scales", {}))
+    return Setup(params, grid, state, Settings(**run), terms, initial, schedule, model, scales)
 
 
 def _refuse_idle(run: Mapping[str, Any]) -> None:

@@ -11,7 +11,7 @@ import typer
 from ..model.definitions import Definition
 from ..model.errors import InputError, choice
 from . import targets
-from .options import FILE, FORCE, OUTPUT, TARGET, command, commands
+from .options import FILE, FORCE, OUTPUT, RADIUS, SPEED, TARGET, command, commands
 from .sources import of_sweep
 
 figures = commands("Draw figures from a file of a run, or from the store of a sweep.")
@@ -27,22 +27,30 @@ def emergence(
     map_times: Annotated[
         str | None, typer.Option(metavar="X,Y,...", help="Which of them to show unwrapped as well, three.")
     ] = None,
+    radius_um: RADIUS = None,
+    speed_um_s: SPEED = None,
     force: FORCE = False,
 ) -> None:
     """Draw the emergence of streaming: the cell at six times, three of them unwrapped (PNG or PDF)."""
     from ..figures import emergence as figure
 
     shown, mapped = (None if text is None else _TIMES.parse(text) for text in (times, map_times))
-    target = out or file.with_suffix(".png")
-    _draw(file, target, force, lambda data: figure.emergence(data, times=shown, map_times=mapped))
+    target, units = out or file.with_suffix(".png"), (radius_um, speed_um_s)
+    _draw(file, target, force, lambda data: figure.emergence(data, times=shown, map_times=mapped), units)
 
 
-def history(file: FILE, out: TARGET = None, force: FORCE = False) -> None:
+def history(
+    file: FILE,
+    out: TARGET = None,
+    radius_um: RADIUS = None,
+    speed_um_s: SPEED = None,
+    force: FORCE = False,
+) -> None:
     """Draw order, speed, stripes or defects, and power over time, and the final profile (PNG or PDF)."""
     from ..figures import history as figure
 
     target = out or file.with_name(f"{file.stem}-history.png")
-    _draw(file, target, force, figure.history)
+    _draw(file, target, force, figure.history, (radius_um, speed_um_s))
 
 
 def roses(
@@ -61,13 +69,19 @@ def roses(
     _draw(file, target, force, lambda data: figure.roses(data, shown))
 
 
-def _draw(file: Path, target: Path, force: bool, figure: Callable[[Any], Any]) -> None:
+def _draw(
+    file: Path,
+    target: Path,
+    force: bool,
+    figure: Callable[[Any], Any],
+    units: tuple[float | None, float | None] = (None, None),
+) -> None:
     from .. import dataset
     from ..figures import style
 
     targets.check(target, force, targets.FIGURE)
     with dataset.open_dataset(file) as data:
-        style.save(figure(data), target)
+        style.save(figure(dataset.with_scales(data, None, *units)), target)
     print(f"saved {target}")
 
 

@@ -18,6 +18,7 @@ from .usage import Command, Group
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+UNITS = "Physical units"
 FORCE = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.", rich_help_panel=OUTPUT)]
 FILE = Annotated[
     Path,
@@ -40,6 +41,29 @@ NO_PROGRESS = Annotated[
     bool, typer.Option("--quiet", help="Print only the result, no progress.", rich_help_panel=OUTPUT)
 ]
 """For commands that print their result."""
+JSON = Annotated[
+    bool,
+    typer.Option("--json", help="Print the outcome as one line of JSON.", rich_help_panel=OUTPUT),
+]
+"""For commands that print their result."""
+RADIUS = Annotated[
+    float | None,
+    typer.Option(
+        "--radius-um",
+        metavar="NUMBER",
+        help="Radius of the cell in micrometres, to show results in units; by default that in FILE.",
+        rich_help_panel=UNITS,
+    ),
+]
+SPEED = Annotated[
+    float | None,
+    typer.Option(
+        "--speed-um-s",
+        metavar="NUMBER",
+        help="Speed U in micrometres per second; by default that in FILE.",
+        rich_help_panel=UNITS,
+    ),
+]
 PAUSE = Annotated[
     float,
     typer.Option(
@@ -56,6 +80,7 @@ _GROUPS = {
     "grid": "Grid, [grid]",
     "initial": "Initial state, [initial]",
     "run": "Run, [run]",
+    "scales": "Physical units, [scales]",
 }
 """Headings in the help for the options of each table."""
 _FORMS = {"numbers": "X,Y,...", "names": "A,B,...", "shape": "N,M", "choice": "NAME", "text": "FILE"}

@@ -1,7 +1,8 @@
-"""Commands for one cell: run, resume, info, movie, export, doctor."""
+"""Commands for one cell: run, resume, info, movie, doctor."""
 
 from __future__ import annotations
 
+import json
 import shlex
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,7 +12,8 @@ import typer
 from ..model.definitions import TABLES
 from ..model.errors import InputError
 from . import targets
-from .options import FILE, FORCE, OUTPUT, PAUSE, QUIET, changes, command, with_options
+from .exports import export
+from .options import FILE, FORCE, JSON, OUTPUT, PAUSE, QUIET, RADIUS, SPEED, changes, command, with_options
 
 
 def register(app: typer.Typer) -> None:
@@ -20,17 +22,26 @@ def register(app: typer.Typer) -> None:
         run
     )
     command(app, "resume run.nc", "resume run.nc --t-end 400")(resume)
-    command(app, "info run.nc")(info)
+    command(app, "info run.nc", "info run.nc --json", "info run.nc --toml")(info)
     command(app)(doctor)
     command(app, "movie run.nc --out run.mp4 --seconds 8")(movie)
-    command(app, "export run.nc --out surface")(export)
+    command(
+        app,
+        "export run.nc --out surface",
+        "export run.nc --as csv --out tables",
+        "export run.nc --as csv --table zones --out -",
+        "export run.nc --out run.xlsx",
+    )(export)
 
 
 @with_options(*TABLES)
 def run(
     config: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Configuration file run.toml; the options below override it."),
+        typer.Option(
+            metavar="FILE",
+            help="Configuration file run.toml, or - for standard input; the options below override it.",
+        ),
     ] = None,
     protocol: Annotated[
         Path | None,
@@ -42,6 +53,7 @@ def run(
         Path, typer.Option(metavar="FILE", help="NetCDF file to write (.nc).", rich_help_panel=OUTPUT)
     ] = Path("run.nc"),
     force: FORCE = False,
+    json_line: JSON = False,
     quiet: QUIET = False,
     checkpoint_seconds: PAUSE = 30.0,
     **options: str | bool | None,
@@ -77,13 +89,14 @@ def run(
                         checkpoint=writer,
                         checkpoint_seconds=checkpoint_seconds,
                         provenance={"initial": ready.initial},
+                        scales=ready.scales,
                         **ready.settings.as_dict(),
                     )
             except KeyboardInterrupt as stopped:
                 result = carried(stopped)
             progress.label("saving")
             writer.finish(result)
-    _end(result, out, quiet)
+    _end(result, out, quiet, json_line)
 
 
 def resume(
@@ -92,6 +105,7 @@ def resume(
         float | None,
         typer.Option(metavar="TIME", help="Time to continue to; by default the run's end."),
     ] = None,
+    json_line: JSON = False,
     quiet: QUIET = False,
     checkpoint_seconds: PAUSE = 30.0,
 ) -> None:
@@ -114,7 +128,7 @@ def resume(
                 )
         except KeyboardInterrupt as stopped:
             result = carried(stopped)
-    _end(result, file, quiet)
+    _end(result, file, quiet, json_line)
 
 
 def _refuse_finished(stored: Any) -> None:
@@ -124,27 +138,47 @@ def _refuse_finished(stored: Any) -> None:
         raise InputError("t_end", stored.settings.t_end, rule, "give --t-end to continue further")
 
 
-def _end(result: Any, file: Path, quiet: bool) -> None:
+def _end(result: Any, file: Path, quiet: bool, json_line: bool) -> None:
     """Print the outcome of a run, unless it succeeded and `quiet` is set."""
     from .. import report
     from ..report.lines import aligned
 
-    if quiet and result.ok:
-        return
-    print(report.summary(result))
-    print(aligned({"saved": str(file)}))
-    if result.status == "interrupted":
-        print(aligned({"to continue": f"cyclosis resume {shlex.quote(str(file))}"}))
-        raise typer.Exit(130)
-    raise typer.Exit(0 if result.ok else 1)
+    interrupted = result.status == "interrupted"
+    if json_line:
+        print(json.dumps({"file": str(file), **report.facts(result)}))
+    elif not (quiet and result.ok):
+        print(report.summary(result))
+        print(aligned({"saved": str(file)}))
+        if interrupted:
+            print(aligned({"to continue": f"cyclosis resume {shlex.quote(str(file))}"}))
+    raise typer.Exit(0 if result.ok else 130 if interrupted else 1)
 
 
-def info(file: FILE) -> None:
-    """Print the contents of a file of a run."""
+def info(
+    file: FILE,
+    radius_um: RADIUS = None,
+    speed_um_s: SPEED = None,
+    json_line: JSON = False,
+    toml: Annotated[
+        bool,
+        typer.Option(
+            "--toml", help="Print the configuration for run --config alone.", rich_help_panel=OUTPUT
+        ),
+    ] = False,
+) -> None:
+    """Print what is in a file of a run: the cell, its regime, its start, and how to make it again."""
     from .. import dataset, report
 
+    if json_line and toml:
+        raise InputError("toml", True, "left out with --json", "give one of the two")
     with dataset.open_dataset(file) as data:
-        print(report.tree(data))
+        data = dataset.with_scales(data, None, radius_um, speed_um_s)
+        if toml:
+            print(report.configured(data, file), end="")
+        elif json_line:
+            print(json.dumps({"file": str(file), **report.contents(data, file)}))
+        else:
+            print(report.tree(data, file))
 
 
 def doctor() -> None:
@@ -168,6 +202,8 @@ def movie(
     ] = None,
     frames: Annotated[int, typer.Option(metavar="WHOLE", help="Number of frames.")] = 144,
     seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the movie in seconds.")] = 12.0,
+    radius_um: RADIUS = None,
+    speed_um_s: SPEED = None,
     force: FORCE = False,
     quiet: QUIET = False,
 ) -> None:
@@ -180,27 +216,7 @@ def movie(
     for target in paths:
         targets.check(target, force, targets.MOVIE)
     with dataset.open_dataset(file) as data, Bar("frames", hidden=quiet) as bar:
+        data = dataset.with_scales(data, None, radius_um, speed_um_s)
         figure.movie(data, paths, frames=frames, seconds=seconds, progress=bar)
     if not quiet:
         print("saved " + ", ".join(map(str, paths)))
-
-
-def export(
-    file: FILE,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER", help="Folder to write; by default FILE without suffix.", rich_help_panel=OUTPUT
-        ),
-    ] = None,
-    force: FORCE = False,
-) -> None:
-    """Export every saved field to VTK files of the cell's surface, for ParaView."""
-    from .. import dataset
-
-    if out is not None:
-        targets.check_folder(out)
-    folder = out or file.with_suffix("")
-    with dataset.open_dataset(file) as data:
-        collection = dataset.export_vtk(data, folder, force)
-    print(f"saved {collection}")

@@ -11,6 +11,9 @@ from .convert import open_dataset as open_dataset
 from .convert import to_dataset as to_dataset
 from .convert import write as write
 from .place import check_writable as check_writable
+from .run_export import export_run as export_run
+from .run_tables import run_table as run_table
+from .scaled import with_scales as with_scales
 from .tables import write_table as write_table
 from .vtk import export_vtk as export_vtk
 from .writer import RunWriter as RunWriter

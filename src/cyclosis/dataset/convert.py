@@ -183,6 +183,8 @@ def _trajectory(
     origin = {"initial_sha256": contents.attributes["initial_sha256"]}
     if "initial" in asked:
         origin["initial"] = asked["initial"]
+    if "scales" in contents.attributes:
+        origin["scales"] = json.loads(contents.attributes["scales"])
     done_to_it = _interventions(contents, final_state)
     if done_to_it and done_to_it[-1].time == restart.t:
         final_state = done_to_it[-1].after

@@ -56,6 +56,7 @@ def outcome(run: Trajectory) -> dict[str, Any]:
 def attributes(run: Trajectory) -> dict[str, Any]:
     """Return the global attributes of a dataset of this run."""
     asked = json.dumps(configuration(run), sort_keys=True)
+    scales = run.provenance.get("scales")
     return {
         "Conventions": "CF-1.11",
         "title": run.model.title,
@@ -65,6 +66,7 @@ def attributes(run: Trajectory) -> dict[str, Any]:
         "configuration": asked,
         "configuration_sha256": hashlib.sha256(asked.encode()).hexdigest(),
         "initial_sha256": run.provenance.get("initial_sha256", ""),
+        **({} if scales is None else {"scales": json.dumps(scales, sort_keys=True)}),
         "outcome": json.dumps(outcome(run), sort_keys=True),
         "wall_time_seconds": run.effort.wall_time,
         "precision": run.settings.precision,

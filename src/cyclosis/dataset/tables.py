@@ -39,7 +39,7 @@ def write_table(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> Path:
     try:
         with whole(target) as beside:
             if target.suffix.lower() == ".nc":
-                _netcdf(dataset.assign_attrs(origin()), beside)
+                write_netcdf(dataset.assign_attrs(origin()), beside)
             else:
                 _columns(dataset).to_csv(beside)
             vacate(target)
@@ -49,7 +49,7 @@ def write_table(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def _netcdf(dataset: xarray.Dataset, target: Path) -> None:
+def write_netcdf(dataset: xarray.Dataset, target: Path) -> None:
     """Write a NetCDF file. Raises `OSError` if the disk is full, where HDF5 alone would crash."""
     import h5netcdf
     from xarray.backends import H5NetCDFStore

@@ -8,13 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..model.errors import InputError
 from ..model.grid import Array, covered
-from .owner import claim
-from .parts import folder_of
-from .place import in_the_way
+from ..model.units import length_unit, scales_in, speed_unit
+from .replaced import fill_folder
 from .revolved import Surface, is_revolved, revolved
-from .whole import remove, temporary
 
 if TYPE_CHECKING:
     import xarray
@@ -25,9 +22,10 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
 
     The surface is embedded in space with radius 1 and its axis along z; the seam is closed by repeating
     the first points, around and along the axis. Point data: vectors `P` and `u` in Cartesian
-    components, scalars `P_theta`, `P_z`, `u_theta`, `u_z`, all dimensionless. A closed surface has its true
-    shape and its poles, and scalars `P_s` and `u_s` along the meridians. With `force` the files of an
-    earlier export are replaced, and all others are kept. Raises `InputError` if the folder is not empty
+    components, scalars `P_theta`, `P_z`, `u_theta`, `u_z`, all dimensionless. Of a dataset with scales (see
+    `with_scales`) lengths are in µm, times in s, and the flow is `u_um_per_s`, in µm/s. A closed surface has
+    its true shape and its poles, and scalars `P_s` and `u_s` along the meridians. With `force` the files of
+    an earlier export are replaced, and all others are kept. Raises `InputError` if the folder is not empty
     (unless `force`) or cannot be written, and if the dataset covers only a part of a cell.
 
     Example:
@@ -41,32 +39,14 @@ def export_vtk(dataset: xarray.Dataset, folder: str | os.PathLike[str], force: b
     """
     target = Path(folder).resolve()
     surface = revolved(dataset) if is_revolved(dataset) else _cylinder(dataset)
-    new = temporary(target) if target.name else target
-    try:
-        used = target.exists() and (not target.is_dir() or any(target.iterdir()))
-        if not target.name or (used and not force):
-            raise in_the_way(target, "a new or empty folder")
-        with claim(folder_of(target), target):
-            new.mkdir()
-            _write(dataset, surface, new, target.name)
-            target.mkdir(exist_ok=True)
-            _replace(new, target)
-    except OSError as error:
-        remedy = f"choose another ({error.strerror or error})"
-        raise InputError("out", str(target), "a folder that can be written to", remedy) from error
-    finally:
-        if target.name:
-            remove(new)
+    fill_folder(target, force, lambda new: _write(dataset, surface, new, target.name), _earlier)
     return target / f"{target.name}.pvd"
 
 
-def _replace(new: Path, target: Path) -> None:
-    """Move files into a folder, the collection last, in place of those of an earlier export."""
-    collections, frames = (sorted(target.glob(kind)) for kind in ("*.pvd", "frame-*.vts"))
-    for old in [*(path for path in collections if _FIRST in path.read_bytes()), *frames]:
-        old.unlink()
-    for written in sorted(new.iterdir(), key=lambda path: path.suffix, reverse=True):
-        os.replace(written, target / written.name)
+def _earlier(folder: Path) -> list[Path]:
+    """Return the files of an earlier export."""
+    collections, frames = (sorted(folder.glob(kind)) for kind in ("*.pvd", "frame-*.vts"))
+    return [*(path for path in collections if _FIRST in path.read_bytes()), *frames]
 
 
 _FIRST = b'"frame-00000.vts"'
@@ -77,18 +57,26 @@ def _write(dataset: xarray.Dataset, surface: Surface, target: Path, title: str) 
     from pyevtk.hl import gridToVTK  # imported only here, since every run loads this module
     from pyevtk.vtk import VtkGroup
 
-    points = [_flat(values) for values in surface.points]
+    scales = scales_in(dataset)
+    suffix = "" if scales is None else "_um_per_s"
+    radius, speed = length_unit(scales).factor, speed_unit(scales).factor
+    second = 1.0 if scales is None else scales.time_s
+    points = [_flat(radius * values) for values in surface.points]
     collection = VtkGroup(str(target / title))
     for index, time in enumerate(dataset["time"].values):
         name = target / f"frame-{index:05d}"
         data: dict[str, Any] = {}
         for field in ("P", "u"):
             vector = surface.whole(np.asarray(dataset[field].isel(time=index).values, dtype=np.float64))
+            if field == "u":
+                vector = speed * vector
             in_space = vector[0] * surface.around + vector[1] * surface.along
-            data[field] = tuple(_flat(component) for component in in_space)
-            data[f"{field}_theta"], data[f"{field}_{surface.axis}"] = _flat(vector[0]), _flat(vector[1])
+            ending = suffix if field == "u" else ""
+            data[f"{field}{ending}"] = tuple(_flat(component) for component in in_space)
+            for axis, component in zip(("theta", surface.axis), vector, strict=True):
+                data[f"{field}_{axis}{ending}"] = _flat(component)
         written = gridToVTK(str(name), *points, pointData=data)
-        collection.addFile(written, sim_time=float(time))
+        collection.addFile(written, sim_time=second * float(time))
     collection.save()
 
 

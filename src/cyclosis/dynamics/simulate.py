@@ -14,6 +14,8 @@ from ..model.doors import door
 from ..model.errors import InputError
 from ..model.instants import instant
 from ..model.precision import double
+from ..model.scales import Scales
+from ..model.units import table_of
 from ..model.wording import beside
 from ..models import of_grid
 from .course import Course
@@ -41,6 +43,7 @@ def simulate(
     checkpoint: Callable[[Trajectory], None] | None = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
     provenance: Mapping[str, Any] | None = None,
+    scales: Scales | None = None,
     **settings: Any,
 ) -> Trajectory:
     """Integrate the equation of a model from `state` at t = 0 to `t_end`: by default the filament equation.
@@ -69,7 +72,8 @@ def simulate(
     `term(t, m, u, params, grid)` of the moments in the kinetic model. `progress` is called a few times a
     second. `checkpoint` gets the run so far at the start and then every `checkpoint_seconds`, which changes
     no step; a file writer for it is `cyclosis.RunWriter`. `provenance` is kept with the run; a file keeps
-    only its `initial`.
+    only its `initial`. `scales` are kept too, so that figures, summaries and exports of the run are in
+    micrometres and seconds; they change no result.
 
     Ctrl-C, or a KeyboardInterrupt raised by `progress`, stops the run at its next safe point: `checkpoint`
     gets the run so far, and KeyboardInterrupt is raised with that run as its attribute `run`, of status
@@ -110,6 +114,8 @@ def simulate(
             "smooth the state, or use a finer grid",
         )
     origin = dict(provenance or {}) | {"initial_sha256": hashlib.sha256(P.tobytes()).hexdigest()}
+    if scales is not None:
+        origin["scales"] = table_of(scales)
     with double():
         run = Run(course, how, origin, progress, checkpoint, checkpoint_seconds)
         return run.begin(P)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from ..contract.model import Array, Model
 from ..display.notebook import text_tree, tree
 from ..model.doors import door
+from ..model.units import of_table
 from ..models import polar
 from .course import Intervention
 from .frames import Frames
@@ -22,6 +23,8 @@ from .settings import Settings
 
 if TYPE_CHECKING:
     import xarray
+
+    from ..model.scales import Scales
 
 
 class Status(StrEnum):
@@ -114,6 +117,19 @@ class Trajectory:
     def params_at(self, t: float) -> Any:
         """Return the parameters at time t, after any steps of the protocol at that time."""
         return self._schedule.params_at(t)
+
+    @property
+    def scales(self) -> Scales | None:
+        """The physical units in which the run is shown, or None; the run itself is dimensionless.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> grid, cell = cy.CylinderGrid(16, 16), cy.Scales(radius_um=500.0, speed_um_per_s=75.0)
+            >>> run = cy.simulate(cy.Parameters(), grid, cy.initial.stripes(grid), t_end=0.5, scales=cell)
+            >>> round(run.scales.seconds(run.t_final), 2)
+            3.33
+        """
+        return of_table(self.provenance.get("scales", {}))
 
     @cached_property
     def _schedule(self) -> Schedule:

@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ..model.grid import Array
+from ..model.scales import Scales
+from ..model.units import time_unit
 
 STEADY_SHARE = 0.3
 """Share of a movie that is even on the square-root scale; the rest is even along the path of P."""
@@ -15,10 +17,11 @@ _TICK_ROOM = 0.14
 """Least distance between ticks, as a fraction of the axis."""
 
 
-def time_axis(ax: Any, first: float, last: float) -> None:
-    """Give axes a horizontal axis of time from `first` to `last`, on a square-root scale.
+def time_axis(ax: Any, first: float, last: float, scales: Scales | None = None) -> None:
+    """Give axes a horizontal axis of time from `first` to `last` (dimensionless), on a square-root scale.
 
     Cyclosis forms early and settles late: this scale shows both, and time 0, which a logarithm would not.
+    With `scales` the ticks are in seconds, minutes, hours or days.
     """
 
     def forward(t: Any) -> Any:
@@ -26,9 +29,23 @@ def time_axis(ax: Any, first: float, last: float) -> None:
 
     ax.set_xscale("function", functions=(forward, lambda s: first + np.asarray(s) ** 2))
     ax.set_xlim(first, last)
-    ax.set_xticks(ticks(first, last))
-    ax.xaxis.set_major_formatter("{x:g}")
+    factor = time_unit(scales, last).factor
+    shown = ticks(factor * first, factor * last)
+    ax.set_xticks([time / factor for time in shown], [f"{time:g}" for time in shown])
     ax.minorticks_off()
+
+
+def time_label(scales: Scales | None, last: float) -> str:
+    """Return the label of an axis of time up to `last`, which says that it is not linear."""
+    unit = time_unit(scales, last).name
+    return f"$t$ ({unit + ', ' if unit else ''}square-root scale)"
+
+
+def time_text(scales: Scales | None, time: float, digits: str = ".4g", last: float | None = None) -> str:
+    """Return a time (dimensionless) as it stands above a picture, in the unit for times up to `last`."""
+    unit = time_unit(scales, time if last is None else last)
+    shown = format(unit.factor * time, ".3g" if scales is not None and "g" in digits else digits)
+    return f"$t$ = {shown} {unit.name}".rstrip()
 
 
 def ticks(first: float, last: float) -> list[float]:

@@ -10,7 +10,8 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..model.grid import Array
-from .clock import time_axis
+from ..model.units import scales_in
+from .clock import time_axis, time_label
 from .closed_cells import closed_grid, marks_of, skin_of
 from .frames import frame
 from .records import panels
@@ -58,9 +59,10 @@ def draw_closed_history(dataset: xarray.Dataset, width: float, draw_speed: Draw,
     else:
         _circulation(upper, lower, dataset)
         over_time += [upper, lower]
+    scales = scales_in(dataset)
     first, last = (float(dataset["time"].values[k]) for k in (0, -1))
     for ax in over_time:
-        time_axis(ax, first, last)
+        time_axis(ax, first, last, scales)
     for ax in (order, counts, speed, power, upper, lower):
         if ax.get_legend_handles_labels()[0]:
             ax.legend(**LEGEND)
@@ -68,7 +70,7 @@ def draw_closed_history(dataset: xarray.Dataset, width: float, draw_speed: Draw,
         ax.tick_params(labelbottom=False)
     for ax in over_time:
         if ax in (speed, power, lower):
-            ax.set_xlabel("$t$", labelpad=1.0)
+            ax.set_xlabel(time_label(scales, last), labelpad=1.0)
     return figure
 
 

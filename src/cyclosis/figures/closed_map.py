@@ -16,6 +16,8 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from ..model.grid import Array
+from ..model.scales import Scales
+from ..model.units import length_text
 from .closed_solid import coloured
 from .marks import Mark, draw_marks
 from .ribbons import Ribbon, paint
@@ -101,11 +103,11 @@ def copies(skin: Skin, polygon: Array) -> list[Array]:
     return [np.stack(mapped(skin, theta - 2 * np.pi * turn, s), axis=1) for turn in turns]
 
 
-def mark_edges(ax: Any, skin: Skin) -> None:
-    """Put ticks at the edges of a map, and lines along two of its sides."""
+def mark_edges(ax: Any, skin: Skin, scales: Scales | None = None) -> None:
+    """Put ticks at the edges of a map, in radii or units along the axis, and lines along two of its sides."""
     half = np.pi * skin.widest
     ax.set_xticks([-half, half], ["0", "2π"])
-    ax.set_yticks([0, skin.length], ["0", f"{skin.length:.2g}"])
+    ax.set_yticks([0, skin.length], ["0", length_text(skin.length, scales, ".2g")])
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines["left"].set_bounds(0, skin.length)
     ax.spines["bottom"].set_bounds(-half, half)

@@ -11,10 +11,12 @@ from matplotlib.patches import ConnectionPatch
 
 from ..model.doors import door
 from ..model.errors import InputError, number
+from ..model.units import scales_in
 from . import cylinder
+from .clock import time_text
 from .frames import frame, in_memory, indices_at, peak_speed, story
 from .portraits import Look
-from .style import QUIET, TYPE, WIDTH, blank, place
+from .style import QUIET, TYPE, WIDTH, blank, place, scale_bar
 from .subjects import Subject, subject_of
 
 CYLINDERS = 6
@@ -105,7 +107,7 @@ class _Layout:
     ) -> None:
         self.dataset, self.shown, self.unwrapped = dataset, shown, unwrapped
         self.subject, self.portrait = subject, subject.portrait
-        self.peak = peak_speed(dataset)
+        self.peak, self.scales = peak_speed(dataset), scales_in(dataset)
         self.column = (width - 2 * _MARGIN) / max(len(shown), 4)
         across, up = box[1] - box[0] + 0.06, box[3] - box[2] + 0.06
         scale = min(0.88 * self.column / across, _TALLEST / up)
@@ -121,13 +123,16 @@ class _Layout:
 
     def drawn(self, view_angle: float, tilt: float) -> Figure:
         """Draw everything and return the figure."""
-        cells, looks = {}, {}
+        cells, looks, times = {}, {}, self.dataset["time"].values
         for k, index in enumerate(self.shown):
             left = self.left + (k + 0.5) * self.column - 0.5 * self.cylinder[0]
             ax = cells[index] = place(self.figure, left, self.floor, *self.cylinder)
             look = looks[index] = self.subject.look(*frame(self.dataset, index))
             self.portrait.solid(ax, look, view_angle=view_angle, tilt=tilt, peak_speed=self.peak)
-            ax.set_title(f"$t$ = {_time(self.dataset, index)}", pad=4.0, fontsize=TYPE["font.size"])
+            if k == 0:
+                scale_bar(ax, self.scales, self.portrait.extent(tilt))
+            when = time_text(self.scales, float(times[index]), last=float(times[self.shown[-1]]))
+            ax.set_title(when, pad=4.0, fontsize=TYPE["font.size"])
         for k, index in enumerate(self.unwrapped):
             self._map(k, looks[index], cells[index])
         self.portrait.key(place(self.figure, self.width - _MARGIN - _KEY + 4.0, _AXIS, 3.2, self.map[1]))
@@ -138,7 +143,7 @@ class _Layout:
         left = _MARGIN + _AXIS + (k + 0.5) * slot - 0.5 * (self.map[0] + _GAP)
         ax = place(self.figure, left, _AXIS, *self.map)
         self.portrait.flat(ax, look, peak_speed=self.peak)
-        self.portrait.edges(ax)
+        self.portrait.edges(ax, self.scales)
         ax.set_xlabel(self.portrait.across, labelpad=-6.0)
         if k == 0:
             ax.set_ylabel(self.portrait.along, rotation=0, labelpad=-1.0, va="center")

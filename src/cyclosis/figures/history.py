@@ -13,7 +13,8 @@ from ..analysis.diagnostics import QUANTITIES
 from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
-from .clock import time_axis
+from ..model.units import scales_in, speed_unit
+from .clock import time_axis, time_label
 from .frames import grid_of, in_memory, is_closed
 from .records import FONTS, draw_records, is_polar, panels
 from .style import DOWN, INK, LEGEND, QUIET, SHADE, UP, WIDTH, mathtext
@@ -56,7 +57,8 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
     the numbers of defects take the place of the widths, and there is no theory (see
     `cyclosis.figures.closed_history`). Of a run of another model, every recorded quantity is drawn in a panel
     of its own.
-    `width` is in millimetres; all quantities are dimensionless. Raises `InputError` for a dataset
+    `width` is in millimetres; all quantities are dimensionless. Of a dataset with scales (see
+    `cyclosis.dataset.with_scales`) time and speeds are in units. Raises `InputError` for a dataset
     without fields or recorded quantities, or of a single time.
 
     Example:
@@ -98,13 +100,15 @@ def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
     _widths(widths, dataset)
     draw_power(power, dataset)
     draw_profiles((profiles[0], profiles[1]), dataset)
+    first, last = (float(dataset["time"].values[k]) for k in (0, -1))
+    scales = scales_in(dataset)
     for ax in (order, speed, widths, power):
-        time_axis(ax, *(float(dataset["time"].values[k]) for k in (0, -1)))
+        time_axis(ax, first, last, scales)
         ax.legend(**LEGEND)
     for upper, _ in axes:
         upper.tick_params(labelbottom=False)
     for lower in (speed, power):
-        lower.set_xlabel("$t$", labelpad=1.0)
+        lower.set_xlabel(time_label(scales, last), labelpad=1.0)
     profiles[1].set_xlabel("$θ$", labelpad=1.0)
     return figure
 
@@ -132,10 +136,12 @@ def _order(ax: Any, dataset: xarray.Dataset) -> None:
 
 def draw_speed(ax: Any, dataset: xarray.Dataset) -> None:
     """Draw the largest and the root mean square speed over time."""
+    unit = speed_unit(scales_in(dataset))
     for name, style in (("peak_speed", "-"), ("rms_speed", (0, (3, 1.5)))):
-        ax.plot(*_series(dataset, name), color=INK, linewidth=1.1, linestyle=style, label=_SYMBOLS[name])
+        times, values = _series(dataset, name)
+        ax.plot(times, unit.factor * values, color=INK, linewidth=1.1, linestyle=style, label=_SYMBOLS[name])
     ax.set_ylim(bottom=0)
-    ax.set_ylabel("speed")
+    ax.set_ylabel(f"speed{unit.brackets}")
 
 
 def _widths(ax: Any, dataset: xarray.Dataset) -> None:

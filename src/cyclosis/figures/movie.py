@@ -18,6 +18,7 @@ import xarray
 from ..model.doors import door
 from ..model.errors import InputError, number, whole
 from ..model.grid import Array
+from ..model.units import scales_in
 from .clock import movie_times
 from .encode import Output
 from .frames import area_shares, frame, in_memory, mean_square, peak_speed, travelled
@@ -89,7 +90,7 @@ def movie(
         outputs = [stack.enter_context(Output(path, frames, seconds)) for path in listed]
         dataset = in_memory(dataset)
         shots = _shots(dataset, subject, frames, seconds, turns)
-        scene = Scene(subject.surface, *_order(dataset), height)
+        scene = Scene(subject.surface, *_order(dataset), height, scales_in(dataset))
         for done, pixels in enumerate(_drawn(scene, shots, processes), 1):
             for output in outputs:
                 output.add(pixels)

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..model.grid import Array, CylinderGrid
+from ..model.scales import Scales
 from . import closed_map, closed_solid, cylinder, unwrapped
 from .marks import Mark
 from .skin import Skin
@@ -76,8 +77,8 @@ class Portrait(Protocol):
         """Paint the map: `peak_speed`, `ribbons` and `scale` as for a cylinder."""
         ...
 
-    def edges(self, ax: Any) -> None:
-        """Put ticks at the edges of the map."""
+    def edges(self, ax: Any, scales: Scales | None = None) -> None:
+        """Put ticks at the edges of the map, in units with `scales`."""
         ...
 
     def key(self, ax: Any) -> None:
@@ -123,9 +124,9 @@ class OfCylinder:
         """Paint its map."""
         unwrapped.paint_map(ax, self.grid, look.P, look.u, **options)
 
-    def edges(self, ax: Any) -> None:
-        """Put ticks at the edges of the map."""
-        unwrapped.mark_edges(ax, self.grid)
+    def edges(self, ax: Any, scales: Scales | None = None) -> None:
+        """Put ticks at the edges of the map, in units with `scales`."""
+        unwrapped.mark_edges(ax, self.grid, scales)
 
     def key(self, ax: Any) -> None:
         """Draw the colours of P_z."""
@@ -170,9 +171,9 @@ class OfClosed:
         """Paint its map."""
         closed_map.paint_closed(ax, self.skin, look.P, look.u, marks=look.marks, **options)
 
-    def edges(self, ax: Any) -> None:
-        """Put ticks at the edges of the map."""
-        closed_map.mark_edges(ax, self.skin)
+    def edges(self, ax: Any, scales: Scales | None = None) -> None:
+        """Put ticks at the edges of the map, in units with `scales`."""
+        closed_map.mark_edges(ax, self.skin, scales)
 
     def key(self, ax: Any) -> None:
         """Draw the colours of P_s, or of |P| on a sphere."""

@@ -11,12 +11,16 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from .clock import time_axis
+from ..model.scales import Scales
+from ..model.units import PURE, scales_in, speed_unit
+from .clock import time_axis, time_label
 from .style import INK, LEGEND, TYPE, blank, mathtext, place
 
 # Places in millimetres.
 _LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
 COLUMNS = 3
+SPEEDS = ("peak_speed", "rms_speed", "net_flux")
+"""Recorded quantities that are speeds."""
 FONTS = TYPE | {"font.size": 9.0, "axes.labelsize": 9.0, "xtick.labelsize": 8.5}
 """The type of figures of many small panels."""
 STYLES = ("-", (0, (3, 1.5)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
@@ -66,26 +70,28 @@ def draw_records(dataset: xarray.Dataset, width: float) -> Figure:
         >>> len(draw_records(run.to_dataset(), 180.0).axes)
         16
     """
-    names = recorded(dataset)
+    names, scales = recorded(dataset), scales_in(dataset)
     with matplotlib.rc_context(FONTS):
         figure, panel = panels(width, -(-len(names) // COLUMNS))
         for number, name in enumerate(names):
             row, column = divmod(number, COLUMNS)
             ax = panel(column, row)
-            _over_time(ax, dataset[name])
+            _over_time(ax, dataset[name], scales)
             if number + COLUMNS >= len(names):
-                ax.set_xlabel("$t$", labelpad=1.0)
+                ax.set_xlabel(time_label(scales, float(dataset["time"].values[-1])), labelpad=1.0)
     return figure
 
 
-def _over_time(ax: Any, item: xarray.DataArray) -> None:
+def _over_time(ax: Any, item: xarray.DataArray, scales: Scales | None) -> None:
     """Draw a quantity over time, one line for each of its components."""
-    times, values = item[item.dims[0]].values, np.atleast_2d(item.values.T)
+    unit = speed_unit(scales) if item.name in SPEEDS else PURE
+    times, values = item[item.dims[0]].values, unit.factor * np.atleast_2d(item.values.T)
     labels = item[item.dims[1]].values if item.ndim == 2 else [None]
     for label, line, style in zip(labels, values, STYLES, strict=False):
         ax.plot(times, line, color=INK, linewidth=1.1, linestyle=style, label=label)
     if item.ndim == 2:
         ax.legend(**LEGEND)
     symbol = item.attrs["symbol"]
-    ax.set_ylabel(mathtext(symbol) if symbol != "-" else str(item.name).replace("_", " "))
-    time_axis(ax, float(times[0]), float(times[-1]))
+    name = mathtext(symbol) if symbol != "-" else str(item.name).replace("_", " ")
+    ax.set_ylabel(name + unit.brackets)
+    time_axis(ax, float(times[0]), float(times[-1]), scales)

@@ -15,12 +15,14 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from ..model.grid import Array, CylinderGrid
-from .clock import time_axis
+from ..model.scales import Scales
+from ..model.units import time_unit
+from .clock import time_axis, time_text
 from .marks import Mark
 from .portraits import Look, portrait
 from .ribbons import Ribbon
 from .skin import Skin
-from .style import INK, QUIET, TYPE, blank, place
+from .style import INK, QUIET, TYPE, blank, place, scale_bar
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -57,12 +59,16 @@ class Shot:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What all frames have in common: the surface, order (n,) over times (n,), and the height in pixels."""
+    """What all frames have in common: the surface, order (n,) over times (n,), the height in pixels.
+
+    With `scales` they are in units.
+    """
 
     grid: CylinderGrid | Skin
     times: Array
     order: Array
     height: int
+    scales: Scales | None = None
 
 
 class SceneLayout:
@@ -105,7 +111,7 @@ class SceneLayout:
         past = times < shot.time
         self.past.set_data(np.append(times[past], shot.time), np.append(order[past], shot.order))
         self.now.set_data([shot.time], [shot.order])
-        self.clock.set_text(f"$t$ = {shot.time:.1f}")
+        self.clock.set_text(time_text(self.scene.scales, shot.time, ".1f", self.scene.times[-1]))
         self.reading.set_text(f"order {shot.order:.2f}")
 
     def _cell(self) -> None:
@@ -122,11 +128,13 @@ class SceneLayout:
         above = (_FLOOR + 0.5 * room + 0.5 * scale * max(up, along) + 2.0) / _HEIGHT
         self.solid = place(self.figure, start, floor, scale * across, scale * up)
         self.solid.set_axis_off()
+        self.solid.set(xlim=(left, right), ylim=(bottom, top))
+        scale_bar(self.solid, self.scene.scales, (left, right, bottom, top))
         self.clock = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
         start, floor = start + scale * across + _APART, floor + 0.5 * scale * (up - along)
         self.flat = place(self.figure, start, floor, scale * around, scale * along)
         self.flat.set(xlim=box[:2], ylim=box[2:])
-        cell.edges(self.flat)
+        cell.edges(self.flat, self.scene.scales)
         self.flat.set_xlabel(cell.across, labelpad=-7.0)
         self.flat.set_ylabel(cell.along, rotation=0, labelpad=-1.0, va="center")
         self.reading = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
@@ -141,10 +149,12 @@ class SceneLayout:
         (self.past,) = ax.plot([], [], color=INK, linewidth=1.4, animated=True)
         (self.now,) = ax.plot([], [], "o", color=INK, markersize=4.0, clip_on=False, animated=True)
         ax.set_ylim(0, 1)
-        time_axis(ax, float(times[0]), float(times[-1]))
+        time_axis(ax, float(times[0]), float(times[-1]), self.scene.scales)
         ax.set_yticks([0, 1])
         ax.set_ylabel("order", labelpad=2.0)
-        ax.set_xlabel("$t$", labelpad=-6.0, x=1.03)
+        unit = time_unit(self.scene.scales, float(times[-1]))
+        ax.set_xlabel(f"$t$ {unit.name}".strip(), labelpad=-6.0, x=1.035)
+        ax.text(1, 1.2, "square-root scale", fontsize=6.5, color=INK, ha="right", transform=ax.transAxes)
         ax.spines[["top", "right"]].set_visible(False)
 
 

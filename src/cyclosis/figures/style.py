@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from ..display.colours import GREEN, PURPLE, diverging
 from ..display.colours import ZONE as ZONE
 from ..model.errors import InputError
 from ..model.grid import Array
+from ..model.scales import Scales
+from ..model.units import round_length
 
 POLARITY = LinearSegmentedColormap.from_list(
     "polarity", [(0.5 + 0.5 * value, colour) for value, colour in diverging(GREEN, PURPLE)], N=1024
@@ -135,6 +138,21 @@ def colour_key(ax: Any, title: str = "$P_z$", signed: bool = True) -> None:
     ax.set_yticks([-1, 0, 1] if signed else [0, 1], ["−1", "0", "1"] if signed else ["0", "1"])
     ax.yaxis.tick_right()
     ax.set_title(title, pad=5.0, fontsize=matplotlib.rcParams["font.size"])
+
+
+def scale_bar(ax: Any, scales: Scales | None, box: Sequence[float]) -> None:
+    """Draw a bar of a round length below the picture of a solid with edges `box`, in radii, given scales."""
+    if scales is None:
+        return
+    left, right, bottom, _ = box
+    length, name = round_length(scales, 0.6 * (right - left))
+    middle, below = 0.5 * (left + right), bottom - 0.12
+    ends = [middle - 0.5 * length, middle + 0.5 * length]
+    ax.plot(ends, [below, below], color=INK, linewidth=1.6, solid_capstyle="butt", clip_on=False)
+    ax.annotate(
+        name, (middle, below), (0, -2.0), textcoords="offset points", ha="center", va="top", fontsize=8.0,
+        annotation_clip=False,
+    )  # fmt: skip
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:

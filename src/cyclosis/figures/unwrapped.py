@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 from ..model.doors import door
 from ..model.grid import CylinderGrid, interpolate
+from ..model.scales import Scales
+from ..model.units import length_text
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, ZONE, polarity_rgb
 
@@ -50,10 +52,10 @@ def draw_map(
 
 
 @door
-def mark_edges(ax: Any, grid: CylinderGrid) -> None:
-    """Put ticks at the edges of a map."""
+def mark_edges(ax: Any, grid: CylinderGrid, scales: Scales | None = None) -> None:
+    """Put ticks at the edges of a map: its height is in radii, or in micrometres with `scales`."""
     ax.set_xticks([0, 2 * np.pi], ["0", "2π"])
-    ax.set_yticks([0, grid.length], ["0", f"{grid.length:g}"])
+    ax.set_yticks([0, grid.length], ["0", length_text(grid.length, scales)])
 
 
 @door

@@ -326,12 +326,36 @@ MODEL = (
     ),
 )
 
+SCALES = (
+    Definition(
+        "radius_um",
+        "R",
+        "radius of the cell in micrometres, to show results in units; with speed_um_s",
+        None,
+        "number",
+        1e-3,
+        1e6,
+        optional=True,
+    ),
+    Definition(
+        "speed_um_s",
+        "U",
+        "speed that perfectly aligned filaments drive, in micrometres per second",
+        None,
+        "number",
+        1e-6,
+        1e6,
+        optional=True,
+    ),
+)
+
 TABLES = {
     "model": MODEL,
     "parameters": PARAMETERS,
     "grid": (*GRID, *SURFACE),
     "initial": INITIAL,
     "run": RUN,
+    "scales": SCALES,
 }
 
 

@@ -3,52 +3,39 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..model.units import scales_in, speed_unit, stored, time_unit
+from .again import command_of, start_of
+from .facts import at_the_end, regime_of
 from .lines import aligned
 
 if TYPE_CHECKING:
     import xarray
 
     from ..dynamics.trajectory import Trajectory
+    from ..model.scales import Scales
 
 
 def summary(run: Trajectory) -> str:
     """Return the outcome of a run: status, regime, zones, widths, speed and time."""
-    found, numbers = _at_the_end(run)
+    found, numbers = at_the_end(run)
     effort = run.effort
     lines = {
         "status": run.message,
         "regime": str(found),
         **found.details,
         "order": f"{numbers['order']:.4f}",
-        "peak speed": f"{numbers['peak_speed']:.4f} U",
+        "peak speed": _speed(numbers["peak_speed"], run.scales),
         "wall time": f"{effort.wall_time:.1f} s",
         "effort": f"{effort.evaluations} right-hand sides in {effort.accepted} steps",
     }
+    if run.scales is not None:
+        lines["time"] = f"{time_unit(run.scales, run.t_final)(run.t_final)} in {_units(run.scales)}"
     if run.protocol:
         lines["protocol"] = _steps_done(run)
     return aligned(lines)
-
-
-def _at_the_end(run: Trajectory) -> tuple[Any, dict[str, Any]]:
-    """Return the regime of the final state, and its quantities."""
-    from ..analysis.diagnostics import diagnose
-    from ..analysis.regimes import regime
-    from ..model.precision import double
-    from ..models import polar
-
-    model, grid, state, params = run.model, run.grid, run.final_state, run.params_at(run.t_final)
-    if model is polar:
-        how = (run.terms, run.t_final, run.settings.dealias)
-        numbers = diagnose(params, grid, state, run.t_final, run.terms, run.settings.dealias)
-        return regime(params, grid, state, *how), numbers
-    problem = model.problem(params, grid, run.terms, run.settings.dealias, shape=state.shape)
-    system = model.system(problem, True)
-    assert model.regime is not None
-    with double():
-        numbers = model.measure(system, model.modes(system, state), run.t_final)
-    return model.regime(problem, state), numbers
 
 
 def _steps_done(run: Trajectory) -> str:
@@ -58,24 +45,33 @@ def _steps_done(run: Trajectory) -> str:
     return f"{text}, {waiting} of them after t = {run.t_final:g} and not reached" if waiting else text
 
 
-def tree(dataset: xarray.Dataset) -> str:
-    """Return a file of a run as a short tree."""
+def tree(dataset: xarray.Dataset, file: Path) -> str:
+    """Return what is in a file of a run as a short tree."""
     run = json.loads(dataset.attrs["outcome"])
     asked = json.loads(dataset.attrs["configuration"])
     times = dataset["time"].values
     span = f"{times.size} frames, t = {times[0]:g} to {times[-1]:g}" if times.size else "no frames"
+    scales = scales_in(dataset)
+    if scales is not None and times.size:
+        unit = time_unit(scales, times[-1])
+        span += f" ({unit.factor * times[0]:.4g} to {unit(times[-1])})"
+    again = command_of(asked, file, stored(dataset))
     lines = [
         f"cyclosis run: {run['message']}",
+        *_regime(file, scales),
         f"├─ grid        {_grid(dataset, asked)}",
         *_model(asked),
         f"├─ saved       {span}",
         "├─ parameters  " + _listed(asked["parameters"]),
         "├─ run         " + _listed(asked["run"]),
+        f"├─ initial     {_listed(start_of(asked)) or 'given in Python'}",
+        *([] if scales is None else [f"├─ units       {_units(scales)}"]),
         *_protocol(asked),
         f"├─ effort      {run['evaluations']} right-hand sides, "
         f"{run['accepted']} steps, {run['rejected']} rejected",
         f"├─ made        {dataset.attrs['created']} on {dataset.attrs['device']}, "
         + _listed(json.loads(dataset.attrs["versions"])),
+        f"├─ again       {''.join(filter(None, again))}",
         "└─ variables",
     ]
     names = list(dataset.data_vars)
@@ -85,6 +81,28 @@ def tree(dataset: xarray.Dataset) -> str:
         branch = "└─" if name == names[-1] else "├─"
         lines.append(f"   {branch} {f'{name}({dims})':<32} {variable.attrs.get('long_name', '')}")
     return "\n".join(lines)
+
+
+def _units(scales: Scales) -> str:
+    """Return the scales of a cell in words."""
+    return f"R = {scales.radius_um:g} µm, U = {scales.speed_um_per_s:g} µm/s, R/U = {scales.time_s:.4g} s"
+
+
+def _speed(speed: float, scales: Scales | None) -> str:
+    """Return a speed in words."""
+    units = "" if scales is None else f" = {speed_unit(scales)(speed)}"
+    return f"{speed:.4f} U{units}"
+
+
+def _regime(file: Path, scales: Scales | None) -> list[str]:
+    """Return the regime at the end of a run as branches of its tree."""
+    judged = regime_of(file)
+    if judged is None:
+        return ["├─ regime      not known without the terms that were given in Python"]
+    found, numbers = judged
+    speed = f"order {numbers['order']:.4f}, peak speed {_speed(numbers['peak_speed'], scales)}"
+    details = [f"│  {name:<18} {text}" for name, text in found.details.items()]
+    return [f"├─ regime      {found}", *details, f"├─ final       {speed}"]
 
 
 def _grid(dataset: xarray.Dataset, asked: dict[str, Any]) -> str:

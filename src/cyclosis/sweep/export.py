@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -19,8 +19,9 @@ import numpy.typing as npt
 import xarray
 
 from ..dataset.guarded import GuardedFile
-from ..dataset.place import in_the_way, vacate
-from ..dataset.whole import remove, swap_folder, sync_folder, temporary, unwritable, whole
+from ..dataset.place import in_the_way
+from ..dataset.replaced import put_whole, refuse_existing
+from ..dataset.whole import unwritable
 from ..model.errors import InputError
 from .plan.variables import Variable, of_members, of_states
 from .store.block_file import Arrays
@@ -61,11 +62,11 @@ def export(
     source = store if isinstance(store, Store) else Store(store)
     place = Path(os.path.abspath(target))
     writer = _writer(place)
-    _refuse_existing(place, force)
+    refuse_existing(place, force)
     names = None if variables is None else list(variables)
     choose(source.sweep.variables, names)
     try:
-        with _whole(place, force) as beside:
+        with put_whole(place, force) as beside:
             writer(source, beside, names)
     except FileExistsError as error:
         raise in_the_way(place, "a new name") from error
@@ -82,44 +83,6 @@ def _writer(target: Path) -> Callable[[Store, Path, list[str] | None], None]:
             return writer
     rule = "a name that ends in .zarr, .nc, .csv or .csv.gz"
     raise InputError("out", str(target), rule, "change its suffix")
-
-
-def _refuse_existing(target: Path, force: bool) -> None:
-    if not target.parent.is_dir():
-        raise InputError("out", str(target), "in a folder that exists", f"create {target.parent} first")
-    if os.path.lexists(target) and not force:
-        raise in_the_way(target, "a new name")
-    if target.is_dir() and not (_named_zarr(target) and _is_zarr(target)):
-        raise InputError("out", str(target), "no folder with other things", "choose another name")
-
-
-def _named_zarr(target: Path) -> bool:
-    return target.name.lower().endswith(".zarr")
-
-
-def _is_zarr(folder: Path) -> bool:
-    return any((folder / name).exists() for name in (".zgroup", "zarr.json"))
-
-
-@contextmanager
-def _whole(target: Path, force: bool) -> Iterator[Path]:
-    """Provide a temporary name beside a target, which it replaces on success; otherwise it is removed."""
-    if not _named_zarr(target):
-        with whole(target, force) as new:
-            yield new
-            vacate(target)
-        return
-    new = temporary(target)
-    old: list[Path] = []
-    try:
-        yield new
-        if os.path.lexists(target) and not force:
-            raise FileExistsError
-        old = swap_folder(new, target)
-        sync_folder(target.parent)
-    finally:
-        for path in (new, *old):
-            remove(path)
 
 
 def _zarr(store: Store, target: Path, names: list[str] | None) -> None:

@@ -1,0 +1,125 @@
+"""Physical units in which results are shown: micrometres, seconds and minutes, given a cell's `Scales`.
+
+Results stay dimensionless: what is here only names and scales numbers on their way out.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from .scales import Scales
+
+NAMES = ("radius_um", "speed_um_s")
+"""The keys of [scales], both needed."""
+
+
+def of_table(table: Mapping[str, Any]) -> Scales | None:
+    """Return the scales of a [scales] table, or None if it is empty.
+
+    Raises `InputError` if only one of its two values is given.
+    """
+    from .scales import Scales
+
+    given = {name: table[name] for name in NAMES if table.get(name) is not None}
+    if not given:
+        return None
+    for name, other in (NAMES, NAMES[::-1]):
+        if name not in given:
+            rule = f"given together with {other}"
+            raise InputError(name, None, rule, "give both: length and speed set the unit of time")
+    return Scales(given["radius_um"], given["speed_um_s"], table.get("friction_Pa_s_per_m", 1.0))
+
+
+def table_of(scales: Scales) -> dict[str, float]:
+    """Return scales as they are stored with a run. Raises `InputError` for anything else."""
+    from .scales import Scales
+
+    if not isinstance(scales, Scales):
+        remedy = "write cyclosis.Scales(radius_um=500.0, speed_um_per_s=75.0)"
+        raise InputError("scales", scales, "a cyclosis.Scales", remedy)
+    return {
+        "radius_um": scales.radius_um,
+        "speed_um_s": scales.speed_um_per_s,
+        "friction_Pa_s_per_m": scales.friction_Pa_s_per_m,
+    }
+
+
+def stored(dataset: Any) -> dict[str, float]:
+    """Return the [scales] table of a run's dataset, {} if it has none."""
+    return dict(json.loads(dataset.attrs.get("scales", "{}")))
+
+
+def scales_in(dataset: Any) -> Scales | None:
+    """Return the scales of a run's dataset, or None if it has none."""
+    return of_table(stored(dataset))
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit for a quantity: `factor` takes a dimensionless number to a number of units called `name`."""
+
+    factor: float
+    name: str
+
+    def __call__(self, value: float) -> str:
+        """Return a dimensionless number in words."""
+        return f"{self.factor * value:.4g} {self.name}"
+
+    @property
+    def brackets(self) -> str:
+        """The unit as it follows the name of an axis."""
+        return f" ({self.name})" if self.name else ""
+
+
+PURE = Unit(1.0, "")
+"""The unit of dimensionless numbers."""
+_TIMES = ((60.0, "s"), (3600.0, "min"), (86400.0, "h"), (float("inf"), "d"))
+_SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+
+
+def time_unit(scales: Scales | None, last: float) -> Unit:
+    """Return the unit in which times up to `last` are shown: s, min from two minutes on, h, or d."""
+    if scales is None:
+        return PURE
+    longest = scales.seconds(abs(last))
+    name = next(name for limit, name in _TIMES if longest < 2 * limit)
+    return Unit(scales.time_s / _SECONDS[name], name)
+
+
+def length_unit(scales: Scales | None, longest: float = 0.0) -> Unit:
+    """Return the unit in which lengths up to `longest` are shown: µm, or mm from one on."""
+    if scales is None:
+        return PURE
+    if scales.micrometres(longest) >= 1e3:
+        return Unit(scales.radius_um / 1e3, "mm")
+    return Unit(scales.radius_um, "µm")
+
+
+def speed_unit(scales: Scales | None) -> Unit:
+    """Return the unit in which speeds are shown: µm/s."""
+    return PURE if scales is None else Unit(scales.speed_um_per_s, "µm/s")
+
+
+def length_text(length: float, scales: Scales | None, digits: str = "g") -> str:
+    """Return a length in radii as it stands at a tick: a number, and with scales its unit below it."""
+    unit = length_unit(scales, length)
+    return format(length, digits) if scales is None else f"{unit.factor * length:.3g}\n{unit.name}"
+
+
+def round_length(scales: Scales, about: float) -> tuple[float, str]:
+    """Return a round length (1, 2 or 5 times a power of ten) of at most `about` radii, and its name.
+
+    The length is in radii.
+    """
+    most = scales.micrometres(about)
+    power = 10.0 ** math.floor(math.log10(most))
+    best = next(m * power for m in (5.0, 2.0, 1.0) if m * power <= most * (1 + 1e-9))
+    name = f"{best / 1e3:g} mm" if best >= 1e3 else f"{best:g} µm"
+    return best / scales.radius_um, name
