@@ -112,6 +112,11 @@ export class System {
     return out;
   }
 
+  /** The viscosity at the time evaluated last. */
+  get mu(): number {
+    return this.now.mu;
+  }
+
   /** The largest |P|² of the state evaluated last; NaN if there is any. */
   peak(): number {
     const { p } = this;

@@ -19,6 +19,7 @@ import numpy as np
 import cyclosis as cy
 from cyclosis.config import initial_state
 from cyclosis.dynamics.advance import Control, advance, start
+from cyclosis.dynamics.live import Live
 from cyclosis.dynamics.steppers import METHODS
 from cyclosis.model.precision import double
 from cyclosis.model.system import ramped, rate_spectrum, state_of, system
@@ -163,6 +164,99 @@ def steps() -> list[dict[str, Any]]:
     return [{"grid": [16, 12, 5.0], "state": packed(state), "runs": out}]
 
 
+def run() -> dict[str, Any]:
+    """Return an adaptive run to t = 20 on 32 x 32 points: its numbers at every unit of time, and the last state."""
+    grid = cy.CylinderGrid(32, 32, 5.0)
+    live = Live(cy.Parameters(), grid, cy.initial.disordered(grid, seed=0), 0.5)
+    rows = []
+    while live.t < 20.0:
+        if live.forward() and live.frame % 4 == 0:
+            rows.append({name: np.asarray(value).tolist() for name, value in live.record().items()})
+            rows[-1] |= {"t": live.t}
+            del rows[-1]["budget"]
+    now = live._follower.now
+    counts = {key: int(getattr(now, key)) for key in ("accepted", "rejected", "evaluations")}
+    return {"rows": rows, "state": packed(live.state), "flow": packed(live.flow())} | counts
+
+
+DISCS = [{"shape": "disc", "theta": 0.1, "z": 4.9, "radius": 0.6}, {"shape": "disc", "theta": 3.0, "z": 2.0, "radius": 0.5}]
+PROTOCOLS: list[dict[str, Any]] = [
+    {
+        "name": "drugs, brush and ramps",
+        "initial": {"kind": "stripes", "filaments_per_square": 4000.0, "seed": 3},
+        "end": 9.0,
+        "protocol": [
+            {"at": 1.0, "action": "fragment", "where": DISCS[0]},
+            {"at": 1.0, "action": "align", "angle": 1.5707963267948966, "where": {"shape": "union", "parts": DISCS}},
+            {"at": 2.05, "action": "change", "alpha_p": 0.2, "over": 1.5},
+            {"at": 3.0, "action": "depolymerise", "keep": 0.25, "where": DISCS[1] | {"invert": True}},
+            {"at": 4.0, "action": "change", "mu": 0.2, "d_s": 0.05, "force_exponent": 1.0, "over": 2.0},
+            {"at": 5.0, "action": "noise", "size": 0.1, "noise_grid": [8, 8]},
+            {"at": 6.0, "action": "wash_out", "over": 1.0},
+            {"at": 8.0, "action": "change", "zero_theta_flux": True, "kappa": 0.1, "repulsion_angle": 0.3},
+        ],
+    },
+    {
+        "name": "parameters that differ from place to place",
+        "initial": {"kind": "disordered", "seed": 8},
+        "end": 8.0,
+        "protocol": [
+            {"at": 0.0, "action": "change", "alpha_u": 0.9, "where": {"shape": "band", "axis": "z", "start": 4.0, "stop": 1.0}},
+            {"at": 2.0, "action": "change", "kappa": 0.1, "repulsion_angle": 0.5, "over": 2.0}
+            | {"where": {"shape": "strips", "count": 3, "share": 0.4, "axis": "theta", "offset": 0.1}},
+            {"at": 3.0, "action": "change", "alpha_p": 0.4, "over": 3.0}
+            | {"where": {"shape": "box", "theta0": 5.5, "theta1": 1.0, "z0": 1.0, "z1": 3.0}},
+            {"at": 7.0, "action": "wash_out", "over": 0.5},
+        ],
+    },
+]
+
+
+def protocols() -> list[dict[str, Any]]:
+    """Return cells under protocols: the texts of their steps, parameters on the way, and states."""
+    out = []
+    for item in PROTOCOLS:
+        grid, seed = cy.CylinderGrid(24, 16, 5.0), item["initial"]["seed"]
+        protocol = cy.Protocol.from_tables(item["protocol"], seed)
+        live = Live(cy.Parameters(), grid, initial_state(item["initial"], grid), 0.5, protocol)
+        params, states = [], []
+        while live.t < item["end"]:
+            if live.forward():
+                params.append({k: float(np.mean(v)) for k, v in live.params_now.items()} | {"t": live.t})
+                if live.frame % 6 == 0 or live.t == item["end"]:
+                    states.append({"t": live.t, "state": packed(live.state)})
+        texts = {"texts": [str(step) for step in protocol], "tables": protocol.as_tables()}
+        out.append(item | texts | {"parameters": params, "states": states})
+    return out
+
+
+def regimes() -> list[dict[str, Any]]:
+    """Return what states are, one of every regime."""
+    grid = cy.CylinderGrid(24, 16, 5.0)
+    angle = grid.theta[:, None]
+    wave = 2 * np.pi / grid.length * grid.z[None, :]
+    noise, one = cy.initial.noise(grid, 1e5, seed=1), np.ones(grid.shape)
+    given = {
+        "disordered": cy.initial.disordered(grid, seed=1),
+        "unidirectional": cy.initial.unidirectional(grid, 0.9) + noise,
+        "circumferential": cy.initial.circumferential(grid, 0.9) + noise,
+        "stripes": cy.initial.stripes(grid) + noise,
+        "unequal": np.stack([0 * one, 0.8 * np.tanh(3 * (np.cos(angle) - 0.3 + 0.1 * np.cos(wave)))]),
+        "four stripes": cy.initial.stripes(grid, 4) + noise,
+        "helix": np.stack([0.3 * np.cos(angle + wave), 0.6 * np.sin(angle + wave)]),
+        "rings": np.stack([0 * one, 0.6 * np.sin(wave) * one]),
+        "patches": np.stack([0.2 * one, 0.6 * np.sin(wave) * np.sin(angle)]),
+    }
+    out = []
+    for name, state in given.items():
+        found = cy.regime(cy.Parameters(kappa=0.1), grid, state)
+        kept = {key: np.asarray(getattr(found, key)).tolist() for key in ("zones", "widths", "mean_P", "drift", "order", "rate")}
+        crossed = cy.zones.crossings(state)
+        kept |= {"name": found.name, "reason": found.reason, "boundaries": [int(crossed.min()), int(crossed.max())]}
+        out.append({"of": name, "state": packed(state), "found": kept})
+    return out
+
+
 def write(name: str, found: Any) -> None:
     """Write one file."""
     (HERE / name).write_text(json.dumps(found, indent=1) + "\n")
@@ -174,6 +268,9 @@ FILES = {
     "noise.json": noise,
     "initial.json": initial_states,
     "steps.json": steps,
+    "run.json": run,
+    "protocols.json": protocols,
+    "regimes.json": regimes,
 }
 
 
