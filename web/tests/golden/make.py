@@ -21,6 +21,7 @@ from cyclosis.config import initial_state
 from cyclosis.dynamics.advance import Control, advance, start
 from cyclosis.dynamics.live import Live
 from cyclosis.dynamics.steppers import METHODS
+from cyclosis.explorer.catalogue import catalogue
 from cyclosis.model.precision import double
 from cyclosis.model.system import ramped, rate_spectrum, state_of, system
 
@@ -68,11 +69,22 @@ def cases() -> list[dict[str, Any]]:
         {"name": "all terms", "parameters": GENERAL},
         {"name": "linear force", "parameters": GENERAL | {"force_exponent": 0.0}},
         {"name": "force of another power", "parameters": GENERAL | {"force_exponent": 1.5}},
-        {"name": "fields", "parameters": GENERAL, "fields": ["alpha_p", "alpha_u", "kappa", "repulsion_angle"]},
+        {
+            "name": "fields",
+            "parameters": GENERAL,
+            "fields": ["alpha_p", "alpha_u", "kappa", "repulsion_angle"],
+        },
         {
             "name": "ramps",
             "parameters": GENERAL,
-            "last": {"mu": 0.3, "d_s": 0.01, "d_r": 0.09, "kappa": 0.1, "repulsion_angle": 1.0, "alpha_u": 0.9},
+            "last": {
+                "mu": 0.3,
+                "d_s": 0.01,
+                "d_r": 0.09,
+                "kappa": 0.1,
+                "repulsion_angle": 1.0,
+                "alpha_u": 0.9,
+            },
             "ramps": {"mu": [1.0, 3.0], "d_s": [1.0, 4.0], "d_r": [0.0, 2.0]}
             | {"kappa": [1.0, 2.0], "repulsion_angle": [1.0, 2.0], "alpha_u": [0.5, 2.5]},
             "t": 1.3,
@@ -86,12 +98,17 @@ def cases() -> list[dict[str, Any]]:
     return out
 
 
+def given_state(n_theta: int, n_z: int) -> np.ndarray:
+    """Return the state of which right-hand sides are computed."""
+    return cy.initial.noise(cy.CylinderGrid(n_theta, n_z), 6, seed=3)
+
+
 def right_hand_side(case: dict[str, Any]) -> dict[str, Any]:
-    """Return a case with its state, the fields of its parameters, and its rate of change."""
+    """Return a case with the fields of its parameters, and its rate of change."""
     grid = cy.CylinderGrid(*case["grid"])
     given = case["parameters"] | {name: field(grid, 0.1, 0.9) for name in case.get("fields", ())}
     params = cy.Parameters(**given)
-    state = cy.initial.noise(grid, 6, seed=3)
+    state = given_state(*grid.shape)
     equation = system(params, grid)
     if "ramps" in case:
         times = {name: tuple(span) for name, span in case["ramps"].items()}
@@ -99,7 +116,15 @@ def right_hand_side(case: dict[str, Any]) -> dict[str, Any]:
     with double():
         rate = state_of(rate_spectrum(equation, equation.spectrum(state), case.get("t", 0.0)))
     values = {name: packed(given[name]) for name in case.get("fields", ())}
-    return case | {"fields": values, "state": packed(state), "rate": packed(rate)}
+    return case | {"fields": values, "rate": packed(rate)}
+
+
+def rates() -> dict[str, Any]:
+    """Return all right-hand sides, and the states of the grids that they are of."""
+    found = cases()
+    sizes = {case["grid"] for case in found}
+    states = {f"{n_theta} x {n_z}": packed(given_state(n_theta, n_z)) for n_theta, n_z, _ in sorted(sizes)}
+    return {"states": states, "cases": [right_hand_side(case) for case in found]}
 
 
 SEEDS = (0, 1, 42, 2**32 + 5, 2**53 - 1)
@@ -115,7 +140,9 @@ def noise() -> dict[str, Any]:
         drawn = generator.normal(size=2 * 128 * 128)
         digest = hashlib.sha256(drawn.astype("<f8").tobytes()).hexdigest()
         words = [int(word) for word in sequence.generate_state(4)]
-        out.append({"seed": seed, "key": list(key), "words": words, "first": packed(drawn[:32]), "sha256": digest})
+        out.append(
+            {"seed": seed, "key": list(key), "words": words, "first": packed(drawn[:32]), "sha256": digest}
+        )
     return {"streams": out}
 
 
@@ -135,7 +162,10 @@ def initial_states() -> list[dict[str, Any]]:
 
 def steps() -> list[dict[str, Any]]:
     """Return runs by every stepper to a time: state and counts."""
-    grid, state = cy.CylinderGrid(16, 12, 5.0), cy.initial.disordered(cy.CylinderGrid(16, 12, 5.0), 100, seed=4)
+    grid, state = (
+        cy.CylinderGrid(16, 12, 5.0),
+        cy.initial.disordered(cy.CylinderGrid(16, 12, 5.0), 100, seed=4),
+    )
     out = []
     plans = [
         ("etdrk4", {"dt": 0.3}, 0.3, 1),
@@ -179,7 +209,10 @@ def run() -> dict[str, Any]:
     return {"rows": rows, "state": packed(live.state), "flow": packed(live.flow())} | counts
 
 
-DISCS = [{"shape": "disc", "theta": 0.1, "z": 4.9, "radius": 0.6}, {"shape": "disc", "theta": 3.0, "z": 2.0, "radius": 0.5}]
+DISCS = [
+    {"shape": "disc", "theta": 0.1, "z": 4.9, "radius": 0.6},
+    {"shape": "disc", "theta": 3.0, "z": 2.0, "radius": 0.5},
+]
 PROTOCOLS: list[dict[str, Any]] = [
     {
         "name": "drugs, brush and ramps",
@@ -187,7 +220,12 @@ PROTOCOLS: list[dict[str, Any]] = [
         "end": 9.0,
         "protocol": [
             {"at": 1.0, "action": "fragment", "where": DISCS[0]},
-            {"at": 1.0, "action": "align", "angle": 1.5707963267948966, "where": {"shape": "union", "parts": DISCS}},
+            {
+                "at": 1.0,
+                "action": "align",
+                "angle": 1.5707963267948966,
+                "where": {"shape": "union", "parts": DISCS},
+            },
             {"at": 2.05, "action": "change", "alpha_p": 0.2, "over": 1.5},
             {"at": 3.0, "action": "depolymerise", "keep": 0.25, "where": DISCS[1] | {"invert": True}},
             {"at": 4.0, "action": "change", "mu": 0.2, "d_s": 0.05, "force_exponent": 1.0, "over": 2.0},
@@ -201,7 +239,12 @@ PROTOCOLS: list[dict[str, Any]] = [
         "initial": {"kind": "disordered", "seed": 8},
         "end": 8.0,
         "protocol": [
-            {"at": 0.0, "action": "change", "alpha_u": 0.9, "where": {"shape": "band", "axis": "z", "start": 4.0, "stop": 1.0}},
+            {
+                "at": 0.0,
+                "action": "change",
+                "alpha_u": 0.9,
+                "where": {"shape": "band", "axis": "z", "start": 4.0, "stop": 1.0},
+            },
             {"at": 2.0, "action": "change", "kappa": 0.1, "repulsion_angle": 0.5, "over": 2.0}
             | {"where": {"shape": "strips", "count": 3, "share": 0.4, "axis": "theta", "offset": 0.1}},
             {"at": 3.0, "action": "change", "alpha_p": 0.4, "over": 3.0}
@@ -232,7 +275,7 @@ def protocols() -> list[dict[str, Any]]:
 
 def regimes() -> list[dict[str, Any]]:
     """Return what states are, one of every regime."""
-    grid = cy.CylinderGrid(24, 16, 5.0)
+    grid = cy.CylinderGrid(16, 12, 5.0)
     angle = grid.theta[:, None]
     wave = 2 * np.pi / grid.length * grid.z[None, :]
     noise, one = cy.initial.noise(grid, 1e5, seed=1), np.ones(grid.shape)
@@ -243,16 +286,27 @@ def regimes() -> list[dict[str, Any]]:
         "stripes": cy.initial.stripes(grid) + noise,
         "unequal": np.stack([0 * one, 0.8 * np.tanh(3 * (np.cos(angle) - 0.3 + 0.1 * np.cos(wave)))]),
         "four stripes": cy.initial.stripes(grid, 4) + noise,
-        "helix": np.stack([0.3 * np.cos(angle + wave), 0.6 * np.sin(angle + wave)]),
-        "rings": np.stack([0 * one, 0.6 * np.sin(wave) * one]),
-        "patches": np.stack([0.2 * one, 0.6 * np.sin(wave) * np.sin(angle)]),
+        "helix": np.stack(
+            [0.3 * np.cos(angle + wave), 0.6 * np.sin(angle + wave) + 0.1 * np.sin(angle - 0.3)]
+        ),
+        "rings": np.stack([0 * one, 0.6 * np.sin(wave + 0.1) * one + 0.01 * np.sin(angle)]),
+        "patches": np.stack(
+            [0.2 * one, 0.6 * np.sin(wave + 0.1) * np.sin(angle + 0.1) + 0.2 * np.sin(2 * angle + 0.2)]
+        ),
     }
     out = []
     for name, state in given.items():
         found = cy.regime(cy.Parameters(kappa=0.1), grid, state)
-        kept = {key: np.asarray(getattr(found, key)).tolist() for key in ("zones", "widths", "mean_P", "drift", "order", "rate")}
+        kept = {
+            key: np.asarray(getattr(found, key)).tolist()
+            for key in ("zones", "widths", "mean_P", "drift", "order", "rate")
+        }
         crossed = cy.zones.crossings(state)
-        kept |= {"name": found.name, "reason": found.reason, "boundaries": [int(crossed.min()), int(crossed.max())]}
+        kept |= {
+            "name": found.name,
+            "reason": found.reason,
+            "boundaries": [int(crossed.min()), int(crossed.max())],
+        }
         out.append({"of": name, "state": packed(state), "found": kept})
     return out
 
@@ -264,7 +318,8 @@ def write(name: str, found: Any) -> None:
 
 
 FILES = {
-    "rates.json": lambda: [right_hand_side(case) for case in cases()],
+    "catalogue.json": catalogue,
+    "rates.json": rates,
     "noise.json": noise,
     "initial.json": initial_states,
     "steps.json": steps,
