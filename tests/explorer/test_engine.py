@@ -57,6 +57,10 @@ def test_initial_states():
         np.testing.assert_allclose(make.unpacked(new["state"]), make.unpacked(old["state"]), atol=1e-15)
 
 
+def test_links():
+    assert json.loads(json.dumps(make.links())) == stored("links.json")
+
+
 def test_settings_and_presets():
     assert json.loads(json.dumps(make.catalogue())) == stored("catalogue.json")
 

@@ -22,6 +22,7 @@ from cyclosis.dynamics.advance import Control, advance, start
 from cyclosis.dynamics.live import Live
 from cyclosis.dynamics.steppers import METHODS
 from cyclosis.explorer.catalogue import catalogue
+from cyclosis.explorer.setup import from_tables
 from cyclosis.model.precision import double
 from cyclosis.model.system import ramped, rate_spectrum, state_of, system
 
@@ -311,6 +312,16 @@ def regimes() -> list[dict[str, Any]]:
     return out
 
 
+def links() -> list[dict[str, Any]]:
+    """Return links of the explorer, and what they contain."""
+    cell = PROTOCOLS[0]
+    tables = {"parameters": {"alpha_p": 0.25}, "grid": {"n_theta": 24, "n_z": 16}, "initial": cell["initial"]}
+    given = [from_tables(tables, cell["protocol"], 3.3), from_tables({}, ())]
+    return [
+        {"link": item.link(), "tables": item.tables, "steps": list(item.steps), "t": item.t} for item in given
+    ]
+
+
 def write(name: str, found: Any) -> None:
     """Write one file."""
     (HERE / name).write_text(json.dumps(found, indent=1) + "\n")
@@ -326,6 +337,7 @@ FILES = {
     "run.json": run,
     "protocols.json": protocols,
     "regimes.json": regimes,
+    "links.json": links,
 }
 
 
