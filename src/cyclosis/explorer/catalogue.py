@@ -1,4 +1,4 @@
-"""What the engine in the browser must know besides the equation: settings, presets, and the curves of theory."""
+"""What the engine in the browser needs besides the equation: settings, presets, the curves of theory."""
 
 from __future__ import annotations
 
