@@ -1,5 +1,6 @@
 import { flowOperator, type FlowOperator } from './flow';
 import type { Grid } from './grid';
+import { RealTransform } from './realtransform';
 import { Couplings, paramsAt, type Params, type Ramps } from './values';
 
 /** Parameters that change linearly in time: those at the beginnings and at the ends of the active ramps. */
@@ -21,14 +22,16 @@ export interface Stage {
 export class System {
   /** The symbol of the linear part; during a ramp that of the stronger diffusion of the two ends. */
   readonly linear: Float64Array;
-  /** Fields of the state evaluated last: P, u, and E_tt + i E_tz of the strain, packed; ∇·P in the real part. */
+  /** Fields of the state evaluated last: P, u, and E_tt + i E_tz of the strain, packed. */
   readonly p: Float64Array;
   readonly u: Float64Array;
   readonly strain: Float64Array;
-  readonly divergence: Float64Array;
   readonly flow: Float64Array;
   readonly force: Float64Array;
   private readonly work: Float64Array;
+  private readonly real: RealTransform;
+  private readonly divergence: Float64Array;
+  private readonly turn: Float64Array;
   private readonly values: Couplings;
   private readonly cubic: boolean;
   private readonly moving: boolean;
@@ -38,7 +41,10 @@ export class System {
   constructor(readonly grid: Grid, readonly stage: Stage, readonly split = true) {
     const { first, last, ramps } = stage;
     const blank = (): Float64Array => new Float64Array(2 * grid.size);
-    [this.p, this.u, this.strain, this.divergence] = [blank(), blank(), blank(), blank()];
+    [this.p, this.u, this.strain] = [blank(), blank(), blank()];
+    this.real = new RealTransform(grid.nTheta, grid.nZ);
+    this.divergence = new Float64Array(2 * grid.nTheta * this.real.half);
+    this.turn = this.real.field();
     [this.flow, this.force, this.work] = [blank(), blank(), blank()];
     this.moving = Object.keys(ramps).length > 0;
     this.cubic = first.force_exponent === 2 && last.force_exponent === 2;
@@ -79,28 +85,30 @@ export class System {
   /** Write the spectrum of the nonlinear part at a time into `out`. */
   nonlinear(spectrum: Float64Array, t: number, out: Float64Array): Float64Array {
     this.at(spectrum, t);
-    this.gradients(spectrum);
-    const { grid, p, u, strain, divergence, force, work, values } = this;
+    const divergence = this.gradients(spectrum);
+    const { grid, p, u, strain, force, turn, values } = this;
     const { alphaP, alphaU, half, mirrorReal, mirrorImaginary } = values;
+    const { nTheta, nZ } = grid;
     const epsilon = this.now.epsilon;
-    for (let at = 0, re = 0; at < grid.size; at += 1, re += 2) {
-      const im = re + 1;
-      const pt = p[re]!, pz = p[im]!, ut = u[re]!, uz = u[im]!;
-      const mr = mirrorReal[at]!, mi = mirrorImaginary[at]!;
-      const own = alphaP[at]! - half[at]!, turn = alphaU[at]!;
-      const tt = own * pt + turn * ut - (mr * pt + mi * pz);
-      const tz = own * pz + turn * uz - (mi * pt - mr * pz);
-      const stretching = strain[re]! * (pt * pt - pz * pz) + 2 * strain[im]! * pt * pz;
-      const along = pt * tt + pz * tz + epsilon * stretching;
-      const carried = epsilon * divergence[re]!;
-      force[re] = tt - pt * along - carried * ut;
-      force[im] = tz - pz * along - carried * uz;
-      divergence[re] = ut * pz - uz * pt;
-      divergence[im] = 0;
+    for (let i = 0, at = 0, re = 0; i < nTheta; i += 1) {
+      let row = (i >> 1) * 2 * nZ + (i & 1);
+      for (let j = 0; j < nZ; j += 1, at += 1, re += 2, row += 2) {
+        const im = re + 1;
+        const pt = p[re]!, pz = p[im]!, ut = u[re]!, uz = u[im]!;
+        const mr = mirrorReal[at]!, mi = mirrorImaginary[at]!;
+        const own = alphaP[at]! - half[at]!, aligned = alphaU[at]!;
+        const tt = own * pt + aligned * ut - (mr * pt + mi * pz);
+        const tz = own * pz + aligned * uz - (mi * pt - mr * pz);
+        const stretching = strain[re]! * (pt * pt - pz * pz) + 2 * strain[im]! * pt * pz;
+        const along = pt * tt + pz * tz + epsilon * stretching;
+        const carried = epsilon * divergence[row]!;
+        force[re] = tt - pt * along - carried * ut;
+        force[im] = tz - pz * along - carried * uz;
+        turn[row] = ut * pz - uz * pt;
+      }
     }
     grid.transform.forward(force, out);
-    grid.transform.forward(divergence, work);
-    this.gather(work, out);
+    this.gather(this.real.forward(turn), out);
     if (!this.split || this.moving) this.addLinear(spectrum, out);
     return out;
   }
@@ -141,34 +149,45 @@ export class System {
     }
   }
 
-  /** Set the strain of the flow and the divergence of P. */
-  private gradients(spectrum: Float64Array): void {
-    const { grid, flow, strain, divergence, work } = this;
+  /** Set the strain of the flow, and return the divergence of P, placed as `RealTransform` does. */
+  private gradients(spectrum: Float64Array): Float64Array {
+    const { grid, flow, strain, work, divergence, real } = this;
     const { m, q, nTheta, nZ } = grid;
-    const other = this.force; // its values are no longer needed
     for (let i = 0, re = 0; i < nTheta; i += 1) {
-      const k = m[i]!;
+      const k = 0.5 * m[i]!;
       for (let j = 0; j < nZ; j += 1, re += 2) {
-        const l = q[j]!, fr = 0.5 * flow[re]!, fi = 0.5 * flow[re + 1]!, zr = spectrum[re]!, zi = spectrum[re + 1]!;
+        const l = 0.5 * q[j]!, fr = flow[re]!, fi = flow[re + 1]!;
         work[re] = -(k * fi + l * fr); // i K U / 2, with K = m + i q
         work[re + 1] = k * fr - l * fi;
-        other[re] = l * zr - k * zi; // i conj(K) Z
-        other[re + 1] = k * zr + l * zi;
       }
     }
     grid.transform.inverse(work, strain);
-    grid.transform.inverse(other, divergence);
+    for (let i = 0, out = 0; i < nTheta; i += 1) {
+      const k = 0.5 * m[i]!;
+      const [row, back] = [2 * i * nZ, 2 * (i ? nTheta - i : 0) * nZ];
+      for (let j = 0; j < real.half; j += 1, out += 2) {
+        const l = 0.5 * q[j]!, a = row + 2 * j, b = back + 2 * (j ? nZ - j : 0);
+        const zr = spectrum[a]!, zi = spectrum[a + 1]!, br = spectrum[b]!, bi = spectrum[b + 1]!;
+        divergence[out] = l * (zr - br) - k * (zi - bi); // of D = i conj(K) Z the part (D_k + conj D_-k)/2
+        divergence[out + 1] = l * (zi + bi) + k * (zr + br);
+      }
+    }
+    return real.inverse(divergence);
   }
 
   /** Add the curl of s, given n0 n1 times the spectrum of s and of the other terms, and drop the Nyquist modes. */
   private gather(curl: Float64Array, out: Float64Array): void {
     const { m, q, nTheta, nZ, keep, size } = this.grid;
+    const { half } = this.real;
     const scale = 1 / size;
     const epsilon = this.now.epsilon;
     for (let i = 0, at = 0; i < nTheta; i += 1) {
       const k = epsilon * m[i]!;
+      const [row, back] = [2 * i * half, 2 * (i ? nTheta - i : 0) * half];
       for (let j = 0; j < nZ; j += 1, at += 1) {
-        const l = epsilon * q[j]!, re = 2 * at, factor = scale * keep[at]!, sr = curl[re]!, si = curl[re + 1]!;
+        const there = j < half ? row + 2 * j : back + 2 * (nZ - j);
+        const l = epsilon * q[j]!, re = 2 * at, factor = scale * keep[at]!;
+        const sr = curl[there]!, si = j < half ? curl[there + 1]! : -curl[there + 1]!;
         out[re] = factor * (out[re]! + k * sr - l * si);
         out[re + 1] = factor * (out[re + 1]! + k * si + l * sr);
       }
