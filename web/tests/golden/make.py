@@ -1,7 +1,8 @@
 """Write the numbers that hold the engine in the browser to the library: `python web/tests/golden/make.py`.
 
-Fields are the base64 text of little-endian float64 numbers, exact to the last bit. `tests/explorer/test_golden.py`
-computes part of them again and compares; `web/tests/engine.*.test.ts` compare the engine with the same files.
+Fields are the base64 text of little-endian float64 numbers, exact to the last bit.
+`tests/explorer/test_engine.py` computes them again and compares; `web/tests/engine.*.test.ts` compare the
+engine with the same files.
 """
 
 from __future__ import annotations
@@ -196,7 +197,7 @@ def steps() -> list[dict[str, Any]]:
 
 
 def run() -> dict[str, Any]:
-    """Return an adaptive run to t = 20 on 32 x 32 points: its numbers at every unit of time, and the last state."""
+    """Return an adaptive run to t = 20 on 32 x 32 points: numbers on the way, and the last state."""
     grid = cy.CylinderGrid(32, 32, 5.0)
     live = Live(cy.Parameters(), grid, cy.initial.disordered(grid, seed=0), 0.5)
     rows = []
@@ -208,6 +209,20 @@ def run() -> dict[str, Any]:
     now = live._follower.now
     counts = {key: int(getattr(now, key)) for key in ("accepted", "rejected", "evaluations")}
     return {"rows": rows, "state": packed(live.state), "flow": packed(live.flow())} | counts
+
+
+def ends() -> list[dict[str, Any]]:
+    """Return what cells from ten seeds are at t = 200, with and almost without alignment by flow."""
+    grid, out = cy.CylinderGrid(32, 32, 5.0), []
+    for alpha_u in (0.5, 0.025):
+        params = cy.Parameters(alpha_u=alpha_u)
+        for seed in range(10):
+            live = Live(params, grid, cy.initial.disordered(grid, seed=seed), 1.0)
+            while live.t < 200.0:
+                live.forward()
+            found = cy.regime(params, grid, live.state)
+            out.append({"alpha_u": alpha_u, "seed": seed, "name": found.name, "zones": found.zones.tolist()})
+    return out
 
 
 DISCS = [
@@ -338,6 +353,7 @@ FILES = {
     "protocols.json": protocols,
     "regimes.json": regimes,
     "links.json": links,
+    "ends.json": ends,
 }
 
 
