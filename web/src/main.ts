@@ -135,7 +135,7 @@ function build(about: About): void {
       scene.playing = false;
       unseen.forget();
     },
-  }, chosenEngine(location.href, document));
+  }, chosenEngine());
   app.append(guide.element, help.element, session.banner);
   addEventListener('hashchange', () => {
     const link = location.hash.slice(1);

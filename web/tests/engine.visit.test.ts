@@ -1,8 +1,9 @@
 import { describe, expect, it, vi } from 'vitest';
 import { Connection, type Listener } from '../src/connection';
 import { instant } from '../src/engine/instants';
+import { tomlOf } from '../src/engine/files';
 import { linkOf, setUpOfLink } from '../src/engine/setup';
-import { WorkerSocket, type Engine } from '../src/engine/socket';
+import { inBrowser, WorkerSocket, type Engine } from '../src/engine/socket';
 import { Visit } from '../src/engine/visit';
 import { readFrame, type Ask, type Frame, type Said } from '../src/protocol';
 import { CATALOGUE } from './catalogue';
@@ -173,6 +174,28 @@ describe('links', () => {
       expect(setUpOfLink(linkOf(found), CATALOGUE)).toEqual(found);
     });
   }
+});
+
+describe('settings', () => {
+  it('are written as a configuration for cyclosis run', () => {
+    const [{ link }] = golden<[{ link: string }]>('links.json');
+    const text = tomlOf(link);
+    expect(text).toContain('[parameters]\nalpha_p = 0.25\n');
+    expect(text).toContain('[run]\nsave_every = 0.1\nt_end = 3.3\n');
+    expect(text).toContain('[[protocol]]\nat = 1\naction = "fragment"\nwhere = { shape = "disc", theta = 0.1, z = 4.9, radius = 0.6 }\n');
+    expect(text).toContain('noise_grid = [8, 8]\n');
+    expect(text.split('[[protocol]]').length - 1).toBe(8);
+  });
+});
+
+describe('which engine computes', () => {
+  it('is said by the address, or else by the page', () => {
+    const page = (content?: string): Document => ({ querySelector: () => (content ? { content } : null) }) as unknown as Document;
+    expect(inBrowser('http://a/b/', page())).toBe(false);
+    expect(inBrowser('http://a/b/?engine=browser#x', page())).toBe(true);
+    expect(inBrowser('http://a/b/', page('browser'))).toBe(true);
+    expect(inBrowser('http://a/b/?engine=server', page('browser'))).toBe(false);
+  });
 });
 
 describe('the socket of a worker', () => {

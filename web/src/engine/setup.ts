@@ -52,20 +52,24 @@ export function setUpOf(given: unknown, steps: unknown, t: unknown, about: Catal
   return { tables, steps: (steps ?? []) as unknown[], t };
 }
 
-/** The set-up of a link. Throws `InputError` for a text that is not a link. */
+/** The set-up of a link. Throws `InputError` for a text that is not a link, or not of a cell. */
 export function setUpOfLink(link: string, about: Catalogue): SetUp {
-  let given: Table;
+  const { protocol = [], t = 0, ...tables } = contentsOf(link);
+  return setUpOf(tables, protocol, t, about);
+}
+
+/** What is packed in a link, unchecked. Throws `InputError` for a text that is not a link. */
+export function contentsOf(link: string): Table {
   try {
     if (link.length > LONGEST_LINK) throw new Error('too long');
     const letters = atob(link.replaceAll('-', '+').replaceAll('_', '/'));
     const bytes = unzlibSync(Uint8Array.from(letters, (letter) => letter.charCodeAt(0)), { out: new Uint8Array(LONGEST_TEXT) });
-    given = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes)) as Table;
+    const given: unknown = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
     if (!isTable(given)) throw new Error('not a table');
+    return given;
   } catch {
     throw new InputError('link', link, LINK_RULE, 'copy the whole address');
   }
-  const { protocol = [], t = 0, ...tables } = given;
-  return setUpOf(tables, protocol, t, about);
 }
 
 /** The set-up as a short text for an address. */

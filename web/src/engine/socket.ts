@@ -56,10 +56,14 @@ export async function fetchCatalogue(): Promise<Catalogue> {
   return (await answer.json()) as Catalogue;
 }
 
-/** Sockets of the engine in the browser if the address, or the page itself, asks for it; else none. */
-export function chosenEngine(address: string, page: Document): (() => WorkerSocket) | undefined {
+/** Whether the cell is computed in the browser: the address asks for it, or the page itself. */
+export function inBrowser(address = location.href, page: Document = document): boolean {
   const asked = new URL(address).searchParams.get('engine');
   const own = page.querySelector<HTMLMetaElement>('meta[name="cyclosis-engine"]')?.content;
-  if ((asked ?? own) !== 'browser') return undefined;
-  return () => new WorkerSocket(fetchCatalogue());
+  return (asked ?? own) === 'browser';
+}
+
+/** Sockets of the engine in the browser if that is chosen; else none. */
+export function chosenEngine(): (() => WorkerSocket) | undefined {
+  return inBrowser() ? () => new WorkerSocket(fetchCatalogue()) : undefined;
 }
