@@ -23,9 +23,8 @@ from cyclosis.model.precision import double
 from cyclosis.model.system import system
 
 
-def right_hand_sides(n: int, repeats: int, precision: str):
-    """Return a function that evaluates `repeats` right-hand sides and returns the seconds they took."""
-    grid = cy.CylinderGrid(n, n, 5.0)
+def looped(grid: cy.CylinderGrid, repeats: int, precision: str = "float64"):
+    """Return a compiled loop over `repeats` right-hand sides, and its arguments."""
     cell = system(cy.Parameters(), grid, precision=precision)
     spectrum = cell.spectrum(cy.initial.disordered(grid, 100))
 
@@ -36,14 +35,20 @@ def right_hand_sides(n: int, repeats: int, precision: str):
 
         return jax.lax.fori_loop(0, repeats, once, spectrum)
 
+    with double():
+        return loop, jax.device_put(cell), spectrum
+
+
+def right_hand_sides(n: int, repeats: int, precision: str):
+    """Return a function that evaluates `repeats` right-hand sides and returns the seconds they took."""
+    loop, cell, spectrum = looped(cy.CylinderGrid(n, n, 5.0), repeats, precision)
+
     def timed() -> float:
         with double():
             began = time.perf_counter()
             loop(cell, spectrum).block_until_ready()
             return (time.perf_counter() - began) / repeats
 
-    with double():
-        cell = jax.device_put(cell)
     timed()
     return timed
 

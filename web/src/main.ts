@@ -1,5 +1,6 @@
 import 'uplot/dist/uPlot.min.css';
 import './style.css';
+import { chosenEngine } from './engine/socket';
 import { diagram } from './panels/diagram';
 import { h } from './panels/dom';
 import { equation } from './panels/equation';
@@ -135,7 +136,7 @@ function build(about: About): void {
       scene.playing = false;
       unseen.forget();
     },
-  });
+  }, chosenEngine());
   app.append(guide.element, help.element, session.banner);
   addEventListener('hashchange', () => {
     const link = location.hash.slice(1);

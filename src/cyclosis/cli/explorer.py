@@ -28,6 +28,10 @@ def explore(
         float,
         typer.Option(metavar="MINUTES", min=0.1, max=525_600, help="Minutes for which a cell may be idle."),
     ] = 30.0,
+    static: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Write the page as files for any web server, and end."),
+    ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
     ahead: Annotated[
         bool,
@@ -41,6 +45,12 @@ def explore(
     from ..model.devices import require_devices
 
     require_devices()
+    if static is not None:
+        from ..explorer.static import write
+
+        size = write(static)
+        print(f"{static}: {size / 1e6:.1f} MB for any web server; the page needs no Python", flush=True)
+        return
 
     def ready(port: int) -> None:
         address = f"http://{f'[{host}]' if ':' in host else host}:{port}/"

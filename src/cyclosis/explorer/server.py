@@ -22,6 +22,7 @@ from ..model.errors import InputError
 from . import exports
 from .about import about
 from .ahead import prepare
+from .catalogue import catalogue
 from .files import Kept, Reported
 from .messages import LONGEST
 from .visits import Visits
@@ -127,6 +128,10 @@ def application(limits: ServerLimits | None = None) -> FastAPI:
     @app.get("/api/about")
     def described() -> JSONResponse:
         return JSONResponse(about())
+
+    @app.get("/api/engine")
+    def needed() -> JSONResponse:
+        return JSONResponse(catalogue())
 
     @app.get("/api/export/{name}")
     async def export(name: str, cell: str, request: Request, told: bool = False) -> Response:

@@ -1,3 +1,4 @@
+import { madeHere } from '../engine/files';
 import type { Hub } from './hub';
 import { h } from './dom';
 import { made, type Far } from './making';
@@ -29,6 +30,12 @@ export function exportsOf(hub: Hub, png: () => Promise<Blob>): HTMLElement[] {
     shown();
     try {
       await hub.refresh();
+      const here = madeHere(kind, hub.link);
+      if (here) {
+        save(here, `cyclosis-${file}`);
+        job.end();
+        return;
+      }
       const address = `api/export/${file}?cell=${encodeURIComponent(hub.link)}${kind === 'toml' ? '' : '&told=true'}`;
       const answer = await fetch(address, { signal: job.given.signal });
       if (!answer.ok) throw new Error(await reason(answer));

@@ -1,0 +1,52 @@
+"""The explorer as a folder of files that any web server can serve, with the engine in the browser."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+from ..model.errors import InputError
+from .about import about
+from .catalogue import catalogue
+from .server import MISSING, PAGE
+
+POLICY = (
+    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'"
+)
+"""What the page may load: only files of its own folder."""
+_HEAD = f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}" />
+    <meta name="referrer" content="no-referrer" />
+    <meta name="cyclosis-engine" content="browser" />
+    """
+
+
+def write(folder: str | Path, page: Path = PAGE) -> int:
+    """Write the files and return how many bytes they are.
+
+    The folder must be new or empty. Addresses in the files are relative, so that it can be served under any
+    path. Raises `InputError` for another folder, and if the page was not built.
+    """
+    target = Path(folder)
+    if not (page / "index.html").is_file():
+        raise InputError("explorer", "no page", "built with its page", MISSING)
+    try:
+        if target.exists() and (not target.is_dir() or any(target.iterdir())):
+            raise InputError("static", str(target), "a folder that is new or empty", "choose another")
+        shutil.copytree(page, target, dirs_exist_ok=True)
+        index = target / "index.html"
+        text = index.read_text(encoding="utf-8")
+        # The policy comes before everything that it applies to.
+        index.write_text(
+            text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {_HEAD}'.rstrip())
+        )
+        (target / "api").mkdir()
+        for name, found in (("about", about()), ("engine", catalogue(theory=True))):
+            (target / "api" / name).write_text(json.dumps(found, separators=(",", ":"), allow_nan=False))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            "static", str(target), "a folder that can be written", f"check the path ({reason})"
+        ) from error
+    return sum(path.stat().st_size for path in target.rglob("*") if path.is_file())
