@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any
 
 from ..config import USED_BY
-from ..model.definitions import GRID, INITIAL, MODEL, PARAMETERS, SURFACE, Definition
+from ..model.definitions import GRID, INITIAL, MODEL, PARAMETERS, SCALES, SURFACE, Definition
 from ..model.interventions import ACTIONS, AT, SHAPES
 from ..model.parameters import Parameters
 from .about import curves
@@ -23,6 +23,7 @@ def catalogue(theory: bool = False) -> dict[str, Any]:
         "grid": _settings((*GRID, *SURFACE)),
         "initial": _settings(INITIAL),
         "model": _settings(MODEL),
+        "scales": _settings(SCALES),
         "interval": _setting(INTERVAL),
         "uses": {kind: list(USED_BY[kind]) for kind in KINDS},
         "kinds": list(KINDS),

@@ -99,6 +99,7 @@ export class Cell {
       },
       protocol: live.protocol.steps.map(({ at, text }) => ({ at, text })),
       link: linkOf({ ...now, t: Math.max(now.t, end) }),
+      outline: null,
       t: live.t,
     };
   }

@@ -22,6 +22,7 @@ export interface Catalogue {
   grid: Setting[];
   initial: Setting[];
   model: Setting[];
+  scales: Setting[];
   interval: Setting;
   /** Which keys of [initial] each kind of initial state uses. */
   uses: Record<string, string[]>;

@@ -9,7 +9,7 @@ import type { Params } from './values';
 // The set-up of a cell: tables, the steps of its protocol, and the time reached, as `explorer/setup.py`. A link is
 // the same text as there, so that it opens in either engine.
 
-const TABLES = ['model', 'parameters', 'grid', 'initial', 'run'] as const;
+const TABLES = ['model', 'parameters', 'grid', 'initial', 'run', 'scales'] as const;
 const LONGEST_LINK = 40_000;
 const LONGEST_TEXT = 200_000;
 const LINK_RULE = 'the part of an address of the explorer after #';
@@ -40,7 +40,7 @@ export function setUpOf(given: unknown, steps: unknown, t: unknown, about: Catal
     }
   }
   const known: Record<string, Setting[]> = {
-    model: about.model, parameters: about.parameters, grid: about.grid, initial: about.initial, run: [about.interval],
+    model: about.model, parameters: about.parameters, grid: about.grid, initial: about.initial, run: [about.interval], scales: about.scales,
   };
   const tables = Object.fromEntries(TABLES.map((name) => [name, checked(name, given[name] ?? {}, known[name]!)])) as Tables;
   tables.run.save_every ??= about.interval.default;
@@ -105,7 +105,7 @@ export function ready(setUp: SetUp, about: Catalogue): Ready {
 }
 
 /** The tables with every default that has a value filled in. */
-export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'model'> {
+export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'model' | 'scales'> {
   const defaults = (items: Setting[]): Table => Object.fromEntries(items.map((item) => [item.name, item.default]));
   const kind = kindOf(tables, about);
   // In an ordered state, noise that is left out is zero, not its default.
@@ -150,6 +150,9 @@ function checked(name: string, table: unknown, items: Setting[]): Table {
 /** Refuse what the explorer does not offer, as its server does. */
 function refuseDear(tables: Tables, steps: unknown, about: Catalogue): void {
   const { finest } = about;
+  if (tables.model.kind === 'closed') {
+    throw new InputError('model kind', 'closed', 'polar where the browser computes without a server', 'start `cyclosis explore` to see closed cells');
+  }
   for (const name of ['n_theta', 'n_z']) {
     const points = (tables.grid[name] ?? 0) as number;
     if (points > finest) throw new InputError(name, points, `at most ${finest} in the explorer`, ELSEWHERE);
