@@ -347,6 +347,8 @@ CONSTANTS = {
 FIGURES = {
     "cyclosis.figures.emergence": ["emergence"],
     "cyclosis.figures.history": ["history"],
+    "cyclosis.figures.snapshot": ["snapshot"],
+    "cyclosis.figures.compare": ["compare"],
     "cyclosis.figures.roses": ["roses"],
     "cyclosis.figures.movie": ["movie"],
     "cyclosis.figures.cylinder": ["draw"],
@@ -368,6 +370,8 @@ FIGURES = {
     "cyclosis.figures.vacuole_dispersion": ["vacuole_dispersion"],
     "cyclosis.figures.vacuole_poincare": ["vacuole_poincare"],
     "cyclosis.figures.dye": ["dye"],
+    "cyclosis.figures.plot": ["Plot"],
+    "cyclosis.figures.looks": ["chosen"],
     "cyclosis.figures.style": ["save"],
 }
 """The functions that draw and write figures, by module."""

@@ -77,6 +77,7 @@ EXAMPLES = {
     **{"transport": None, "peclets": [1.0, 10.0], "tracers": 2},
     **{"source": GRID, "t": 0.0, "radii": [0.0, 1.0], "a": 1.0, "b": 1.0},
     **{"thickness_to_radius": 0.4, "no_slip_walls": 1, "ribbons": None, "figure": None, "scales": None},
+    **{"view": "map", "first": None, "second": None, "names": ("A", "B")},
 }
 
 
