@@ -347,6 +347,8 @@ CONSTANTS = {
 FIGURES = {
     "cyclosis.figures.emergence": ["emergence"],
     "cyclosis.figures.history": ["history"],
+    "cyclosis.figures.snapshot": ["snapshot"],
+    "cyclosis.figures.compare": ["compare"],
     "cyclosis.figures.roses": ["roses"],
     "cyclosis.figures.movie": ["movie"],
     "cyclosis.figures.cylinder": ["draw"],
@@ -370,6 +372,8 @@ FIGURES = {
     "cyclosis.figures.dye": ["dye"],
     "cyclosis.figures.measured": ["measurement", "comparison"],
     "cyclosis.figures.fitted": ["fitted"],
+    "cyclosis.figures.plot": ["Plot"],
+    "cyclosis.figures.looks": ["chosen"],
     "cyclosis.figures.style": ["save"],
 }
 """The functions that draw and write figures, by module."""

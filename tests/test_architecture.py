@@ -36,8 +36,12 @@ ORDER = [
     "cli",
     "__main__",
 ]
-LAZY = {("dynamics/trajectory.py", "dataset"), ("models/polar_cylinder.py", "ensemble")}
-"""The upward imports that are allowed: `Trajectory.to_dataset`, and the theory of final regimes."""
+LAZY = {
+    ("dynamics/trajectory.py", "dataset"),
+    ("dynamics/trajectory.py", "figures"),
+    ("models/polar_cylinder.py", "ensemble"),
+}
+"""The upward imports that are allowed: `to_dataset` and `plot` of a run, and the theory of final regimes."""
 HEAVY = (
     *("jax", "scipy", "xarray", "matplotlib", "h5netcdf", "h5py", "contourpy"),
     *("rich.progress", "fastapi", "uvicorn"),

@@ -100,7 +100,8 @@ EXAMPLES = {
     **{"thickness_to_radius": 0.4, "no_slip_walls": 1, "ribbons": None, "figure": None},
     **{"data": None, "parameters": None, "fix": None, "method": "auto", "scales": None, "draws": 8},
     **{"geometry": None, "progress": None, "pairs": 2, "steady_stage": True, "size_px": (64, 64)},
-    **{"view": cy.observations.View(30.0), "centred": True},
+    **{"view": "map", "centred": True},
+    **{"first": None, "second": None, "names": ("A", "B")},
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,13 +11,15 @@ import typer
 from ..model.definitions import Definition
 from ..model.errors import InputError, choice
 from . import targets
-from .options import FILE, FORCE, OUTPUT, RADIUS, SPEED, TARGET, command, commands
-from .sources import of_sweep
+from .looks import looking, width, with_looks
+from .options import FILE, FORCE, OUTPUT, TARGET, command, commands
+from .sources import of_run, of_sweep
 
 figures = commands("Draw figures from a file of a run, or from the store of a sweep.")
 _TIMES = Definition("times", "t", "times", None, "numbers", 0.0, 1e9)
 
 
+@with_looks
 def emergence(
     file: FILE,
     out: TARGET = None,
@@ -27,32 +29,74 @@ def emergence(
     map_times: Annotated[
         str | None, typer.Option(metavar="X,Y,...", help="Which of them to show unwrapped as well, three.")
     ] = None,
-    radius_um: RADIUS = None,
-    speed_um_s: SPEED = None,
     force: FORCE = False,
+    **looks: Any,
 ) -> None:
-    """Draw the emergence of streaming: the cell at six times, three of them unwrapped (PNG or PDF)."""
+    """Draw the emergence of streaming: the cell at six times, three of them unwrapped."""
     from ..figures import emergence as figure
 
     shown, mapped = (None if text is None else _TIMES.parse(text) for text in (times, map_times))
-    target, units = out or file.with_suffix(".png"), (radius_um, speed_um_s)
-    _draw(file, target, force, lambda data: figure.emergence(data, times=shown, map_times=mapped), units)
+    how = {"times": shown, "map_times": mapped, **width(looks)}
+    target = out or file.with_suffix(".png")
+    _draw(file, target, force, lambda data: figure.emergence(data, **how), looks)
 
 
-def history(
-    file: FILE,
-    out: TARGET = None,
-    radius_um: RADIUS = None,
-    speed_um_s: SPEED = None,
-    force: FORCE = False,
-) -> None:
-    """Draw order, speed, stripes or defects, and power over time, and the final profile (PNG or PDF)."""
+@with_looks
+def history(file: FILE, out: TARGET = None, force: FORCE = False, **looks: Any) -> None:
+    """Draw order, speed, stripes or defects, and power over time, and the final profile."""
     from ..figures import history as figure
 
     target = out or file.with_name(f"{file.stem}-history.png")
-    _draw(file, target, force, figure.history, (radius_um, speed_um_s))
+    _draw(file, target, force, lambda data: figure.history(data, **width(looks)), looks)
 
 
+@with_looks
+def snapshot(
+    file: FILE,
+    at: Annotated[
+        float | None, typer.Option(metavar="TIME", help="Time to show, as 22; by default the end.")
+    ] = None,
+    view: Annotated[
+        str, typer.Option(metavar="NAME", help="What to show: both, cylinder (the cell), or map.")
+    ] = "both",
+    out: TARGET = None,
+    force: FORCE = False,
+    **looks: Any,
+) -> None:
+    """Draw one moment of a run, also of a closed cell: the cell, its unwrapped map, or both."""
+    from ..figures import snapshot as figure
+
+    choice("view", view, ("both", "cylinder", "map"))
+    target = out or file.with_name(f"{file.stem}-snapshot.png")
+    _draw(file, target, force, lambda data: figure.snapshot(data, at, view, **width(looks)), looks)
+
+
+@with_looks
+def compare(
+    first: FILE,
+    second: Annotated[
+        Path,
+        typer.Argument(metavar="OTHER", help="NetCDF file of the other run.", callback=of_run),
+    ],
+    at: Annotated[
+        float | None, typer.Option(metavar="TIME", help="Time to show; by default the last of both.")
+    ] = None,
+    out: TARGET = None,
+    force: FORCE = False,
+    **looks: Any,
+) -> None:
+    """Draw two runs on cylinders at one time, side by side, and their difference."""
+    from .. import dataset
+    from ..figures import compare as figure
+
+    target = out or first.with_name(f"{first.stem}-{second.stem}.png")
+    with dataset.open_dataset(second) as other:
+        names = first.stem, second.stem
+        how = {"time": at, "names": names, **width(looks)}
+        _draw(first, target, force, lambda data: figure.compare(data, other, **how), looks, other)
+
+
+@with_looks
 def roses(
     file: FILE,
     times: Annotated[
@@ -60,13 +104,14 @@ def roses(
     ] = None,
     out: TARGET = None,
     force: FORCE = False,
+    **looks: Any,
 ) -> None:
-    """Draw the density of filament angles of a kinetic run, around and across a zone (PNG or PDF)."""
+    """Draw the density of filament angles of a kinetic run, around and across a zone."""
     from ..figures import roses as figure
 
     shown = None if times is None else _TIMES.parse(times)
     target = out or file.with_name(f"{file.stem}-roses.png")
-    _draw(file, target, force, lambda data: figure.roses(data, shown))
+    _draw(file, target, force, lambda data: figure.roses(data, shown, **width(looks)), looks)
 
 
 def _draw(
@@ -74,14 +119,17 @@ def _draw(
     target: Path,
     force: bool,
     figure: Callable[[Any], Any],
-    units: tuple[float | None, float | None] = (None, None),
+    looks: Mapping[str, Any],
+    *others: Any,
 ) -> None:
     from .. import dataset
     from ..figures import style
 
     targets.check(target, force, targets.FIGURE)
-    with dataset.open_dataset(file) as data:
-        style.save(figure(dataset.with_scales(data, None, *units)), target)
+    units = looks.get("radius_um"), looks.get("speed_um_s")
+    with dataset.open_dataset(file) as data, looking(looks):
+        drawn = figure(dataset.with_scales(data, None, *units))
+        style.save(style.signed(drawn, data, *others), target)
     print(f"saved {target}")
 
 
@@ -122,13 +170,13 @@ def phase_diagram(
         typer.Option(
             "--out",
             metavar="FILE",
-            help="File to write, .png or .pdf; by default next to STORE.",
+            help="File to write: .png, .pdf, .svg or .eps; by default next to STORE.",
             rich_help_panel=OUTPUT,
         ),
     ] = None,
     force: FORCE = False,
 ) -> None:
-    """Draw the outcomes of a sweep over its parameters (PNG or PDF)."""
+    """Draw the outcomes of a sweep over its parameters."""
     from ..figures import basins, style
     from ..figures import phase_diagram as figure
     from ..sweep.store.read import open_sweep
@@ -145,7 +193,7 @@ def phase_diagram(
             drawn = figure.phase_diagram(data, cuts=None if cuts is None else _CUTS.parse(cuts), **chosen)
         else:
             drawn = (figure.regimes_and_time if kind == KINDS[1] else basins.basins)(data, **chosen)
-        style.save(drawn, target)
+        style.save(style.signed(drawn, data), target)
     print(f"saved {target}")
 
 
@@ -160,7 +208,14 @@ def _selected(text: str) -> tuple[str, float]:
 command(figures, "figure emergence run.nc", "figure emergence run.nc --times 0,5,10,20,50,200 --out run.pdf")(
     emergence
 )
-command(figures, "figure history run.nc --out run-history.png")(history)
+command(figures, "figure history run.nc --out run-history.svg --width-mm 183")(history)
+command(
+    figures,
+    "figure snapshot run.nc --at 22",
+    "figure snapshot run.nc --view map --width-mm 89 --out panel.pdf",
+    "figure snapshot run.nc --colours direction --radius-um 500 --speed-um-s 75",
+)(snapshot)
+command(figures, "figure compare a.nc b.nc --at 30")(compare)
 command(figures, "figure roses kinetic.nc --times 0,10,20,200")(roses)
 command(
     figures,

@@ -29,7 +29,7 @@ TARGET = Annotated[
     typer.Option(
         "--out",
         metavar="FILE",
-        help="File to write, .png or .pdf; by default next to FILE.",
+        help="File to write: .png, .pdf, .svg or .eps; by default next to FILE.",
         rich_help_panel=OUTPUT,
     ),
 ]

@@ -13,6 +13,7 @@ from ..model.definitions import TABLES
 from ..model.errors import InputError
 from . import targets
 from .exports import export
+from .looks import COLOURS, looking
 from .options import FILE, FORCE, JSON, OUTPUT, PAUSE, QUIET, RADIUS, SPEED, changes, command, with_options
 
 
@@ -204,6 +205,7 @@ def movie(
     seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the movie in seconds.")] = 12.0,
     radius_um: RADIUS = None,
     speed_um_s: SPEED = None,
+    colours: COLOURS = None,
     force: FORCE = False,
     quiet: QUIET = False,
 ) -> None:
@@ -217,6 +219,7 @@ def movie(
         targets.check(target, force, targets.MOVIE)
     with dataset.open_dataset(file) as data, Bar("frames", hidden=quiet) as bar:
         data = dataset.with_scales(data, None, radius_um, speed_um_s)
-        figure.movie(data, paths, frames=frames, seconds=seconds, progress=bar)
+        with looking({"colours": colours}):
+            figure.movie(data, paths, frames=frames, seconds=seconds, progress=bar)
     if not quiet:
         print("saved " + ", ".join(map(str, paths)))

@@ -11,7 +11,7 @@ from typing import Any
 from ..model.errors import InputError
 
 RUN = (".nc", ".nc4", ".h5")
-FIGURE = (".png", ".pdf")
+FIGURE = (".png", ".pdf", ".svg", ".eps")
 MOVIE = (".mp4", ".gif")
 THEORY = (*FIGURE, ".nc", ".csv")
 

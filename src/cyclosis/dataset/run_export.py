@@ -98,6 +98,8 @@ def export_run(
 def _kind(target: Path, kind: str | None) -> str:
     """Return the format, which is by default that of the suffix of a name."""
     suffix = target.suffix.lower()
+    if kind is None and target.is_dir() and suffix != ".zarr":
+        return "vtk"
     if kind is None:
         known = {ending: name for name, ending in SUFFIXES.items()}
         if suffix not in known and suffix[1:2].isalpha():
@@ -105,7 +107,7 @@ def _kind(target: Path, kind: str | None) -> str:
             raise InputError("out", str(target), rule, "change its suffix")
         return known.get(suffix, "vtk")
     ending = SUFFIXES[choice("as", kind, tuple(SUFFIXES))]
-    if suffix == ending or (kind in ("csv", "vtk") and not suffix[1:2].isalpha()):
+    if suffix == ending or (kind in ("csv", "vtk") and (target.is_dir() or not suffix[1:2].isalpha())):
         return kind
     if not ending:
         rule, remedy = "the name of a folder, because every frame becomes a file (.vts)", "leave out {0}"

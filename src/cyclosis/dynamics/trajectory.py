@@ -24,6 +24,7 @@ from .settings import Settings
 if TYPE_CHECKING:
     import xarray
 
+    from ..figures.plot import Plot
     from ..model.scales import Scales
 
 
@@ -139,6 +140,21 @@ class Trajectory:
     def ok(self) -> bool:
         """Whether the run did what was requested: it completed, or became steady and was to stop there."""
         return self.status in (Status.COMPLETED, Status.STEADY)
+
+    @property
+    def plot(self) -> Plot:
+        """Figures of the run: `run.plot()`, `run.plot.snapshot(time)`, `.history()`, `.movie(path)`.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> grid = cy.CylinderGrid(16, 16)
+            >>> run = cy.simulate(cy.Parameters(), grid, cy.initial.stripes(grid), t_end=1.0)
+            >>> type(run.plot.snapshot(1.0, view="map")).__name__
+            'Figure'
+        """
+        from ..figures.plot import Plot
+
+        return Plot(self)
 
     def to_dataset(self) -> xarray.Dataset:
         """Return the run as an `xarray.Dataset` in memory, as a file of it would be read."""

@@ -6,7 +6,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import LogNorm, Normalize
@@ -20,6 +19,7 @@ from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
 from . import plane
+from .looks import setting
 from .style import INK, SHADE, WIDTH, blank, place
 from .swept import Swept, grouped, swept
 
@@ -107,7 +107,7 @@ def basins(
     sweep = swept(dataset, select, log, beside=(NUMBER,))
     found = members(sweep)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
-    with matplotlib.rc_context(plane.TYPE):
+    with setting(plane.TYPE):
         return _drawn(sweep, found, width)
 
 

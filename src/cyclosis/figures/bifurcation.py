@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -15,6 +14,7 @@ from ..model.errors import InputError, choice, number
 from ..model.grid import Array
 from ..stability.branches.branch import MEASURES, Branch
 from ..stability.branches.diagram import label
+from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
@@ -70,7 +70,7 @@ def bifurcation(
         raise InputError(names.pop(), lowest, "above 0 on a logarithmic scale", "raise its bound")
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     words = _named(branches)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         rows = -(-(len(words) + 2 + len(MARKS)) // 5)
         figure = blank(width, _BELOW + _HIGH + _ABOVE + rows * _ROW)
         across = (width - _LEFT - _RIGHT - (len(chosen) - 1) * _GAP) / len(chosen)

@@ -18,7 +18,7 @@ from .cylinder import PIXELS, project
 from .marks import Mark, draw_marks
 from .ribbons import Ribbon, paint
 from .skin import Skin
-from .style import INK, ZONE, polarity_rgb
+from .style import INK, ZONE, state_rgb
 
 TILT = 0.6
 """Default angle, in radians, by which the viewer looks down on the cell: enough to see its upper end."""
@@ -200,7 +200,7 @@ def _shaded(skin: Skin, P: Array, view_angle: float, tilt: float, pixels: int) -
 
 def coloured(skin: Skin, P: Array, theta: Array, s: Array) -> Array:
     """Return the colours (..., 3) of a state (2, around, n) at angles and arc lengths (...)."""
-    values = P[1] if skin.axial else np.hypot(*P)
-    wrapped = np.pad(values, ((2, 3), (0, 0)), mode="wrap")
+    wrapped = np.pad(P, ((0, 0), (2, 3), (0, 0)), mode="wrap")
     place = [np.mod(theta, 2 * np.pi) * skin.around / (2 * np.pi) + 2, s * (skin.s.size - 1) / skin.length]
-    return polarity_rgb(map_coordinates(wrapped, place, order=1, mode="nearest"))
+    found = np.stack([map_coordinates(part, place, order=1, mode="nearest") for part in wrapped])
+    return state_rgb(found, size_only=not skin.axial)

@@ -15,7 +15,7 @@ from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array, CylinderGrid, resolved
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
-from .style import INK, PAPER, ZONE, polarity_rgb
+from .style import INK, PAPER, ZONE, state_rgb
 
 TILT = 0.2
 """Default angle, in radians, by which the viewer looks down on the cylinder."""
@@ -91,7 +91,7 @@ def draw(
     box = extent(grid.length, tilt)
     body = _body(grid.length, tilt)
     image = ax.imshow(
-        _shaded(grid, state[1], view_angle, tilt, pixels),
+        _shaded(grid, state, view_angle, tilt, pixels),
         extent=box,
         origin="lower",
         interpolation="bilinear",
@@ -137,7 +137,7 @@ def _body(length: float, tilt: float) -> Path:
     return Path(np.concatenate([low, high[::-1], low[:1]]), closed=True)
 
 
-def _shaded(grid: CylinderGrid, P_z: Array, view_angle: float, tilt: float, pixels: int) -> Array:
+def _shaded(grid: CylinderGrid, P: Array, view_angle: float, tilt: float, pixels: int) -> Array:
     """Return the colours (rows, columns, 3) of the picture, from its lower left corner."""
     left, right, bottom, top = extent(grid.length, tilt)
     rows = max(2, round(pixels * (top - bottom) / (right - left)))
@@ -147,6 +147,7 @@ def _shaded(grid: CylinderGrid, P_z: Array, view_angle: float, tilt: float, pixe
     theta = np.broadcast_to(np.arcsin(x) + view_angle, (rows, pixels))
     z = (y[:, None] + facing * np.sin(tilt)) / np.cos(tilt)
     index = np.stack([theta * grid.n_theta / (2 * np.pi), z * grid.n_z / grid.length])
-    spline = spline_filter(P_z, order=3, mode="grid-wrap")
-    colours = polarity_rgb(map_coordinates(spline, index, order=3, mode="grid-wrap", prefilter=False))
+    splines = [spline_filter(part, order=3, mode="grid-wrap") for part in P]
+    found = [map_coordinates(part, index, order=3, mode="grid-wrap", prefilter=False) for part in splines]
+    colours = state_rgb(np.stack(found))
     return colours * (_DARKEST + (1 - _DARKEST) * facing)[:, None]

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -20,6 +19,7 @@ from ..stability.kinetic import dispersion as kinetic
 from ..stability.kinetic.torques import with_torques
 from ..stability.uniform.dispersion import growth_rates
 from ..stability.uniform.uniform import BASES, orders
+from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 
 DIRECTIONS: tuple[tuple[str, tuple[float, float], str, Any], ...] = (
@@ -134,7 +134,7 @@ def _figure(
 ) -> Figure:
     """Draw the growth rates of each state, or say that there is none."""
     across = (width - _LEFT - _RIGHT - (len(columns) - 1) * _GAP) / len(columns)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _LOWER + _BETWEEN + _UPPER + _ABOVE)
         for k, (base, rates) in enumerate(columns.items()):
             left = _LEFT + k * (across + _GAP)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
 
@@ -15,6 +14,7 @@ from ..model.units import scales_in
 from . import cylinder
 from .clock import time_text
 from .frames import frame, in_memory, indices_at, peak_speed, story
+from .looks import setting
 from .portraits import Look
 from .style import QUIET, TYPE, WIDTH, blank, place, scale_bar
 from .subjects import Subject, subject_of
@@ -68,7 +68,7 @@ def emergence(
     unwrapped = _unwrapped(dataset, shown, map_times)
     if view_angle is None:
         view_angle = subject.facing(frame(dataset, shown[-1])[0])
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         layout = _Layout(dataset, subject, shown, unwrapped, width, subject.portrait.extent(tilt))
         return layout.drawn(view_angle, tilt)
 

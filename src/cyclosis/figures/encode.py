@@ -64,7 +64,7 @@ class Output:
             )
             os.close(handle)
             self.partial = Path(name)
-        self.encoder: _Encoder = (_Mp4 if kind == ".mp4" else _Gif)(self.partial, frames, seconds)
+        self.encoder: _Encoder = (_Mp4 if kind == ".mp4" else _Gif)(self.partial, frames, seconds, about)
 
     def add(self, pixels: Pixels) -> None:
         """Add the next frame (height, width, 3); both sizes even, the same for all frames."""
@@ -102,8 +102,8 @@ class Output:
 class _Mp4:
     """H.264 that all players read; its index comes first, so that it plays while it loads."""
 
-    def __init__(self, path: Path, frames: int, seconds: float) -> None:
-        self.path = path
+    def __init__(self, path: Path, frames: int, seconds: float, about: str = "") -> None:
+        self.path, self.about = path, about
         self.rate = frames / Fraction(round(1000 * seconds), 1000)
         self.container: Any = None
 
@@ -115,6 +115,7 @@ class _Mp4:
 
     def _open(self, height: int, width: int) -> None:
         self.container = av.open(str(self.path), "w", format="mp4", options={"movflags": "faststart"})
+        self.container.metadata["comment"] = self.about
         options = {"crf": "18", "preset": "veryfast"}
         self.stream: Any = self.container.add_stream("libx264", rate=self.rate, options=options)
         self.stream.height, self.stream.width, self.stream.pix_fmt = height, width, "yuv420p"
@@ -129,8 +130,8 @@ class _Mp4:
 class _Gif:
     """An endless loop, with one palette chosen from frames throughout the movie."""
 
-    def __init__(self, path: Path, frames: int, seconds: float) -> None:
-        self.path = path
+    def __init__(self, path: Path, frames: int, seconds: float, about: str = "") -> None:
+        self.path, self.about = path, about
         self.delays = delays(frames, seconds)
         self.frames: list[Image.Image] = []
         shown = len(self.delays)
@@ -157,7 +158,8 @@ class _Gif:
         # Without dithering, whose noise would not compress.
         first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in self.frames)
         lasting = [10 * delay for delay in self.delays]  # Pillow counts in milliseconds
-        first.save(self.path, "gif", save_all=True, append_images=others, duration=lasting, loop=0)
+        how = {"duration": lasting, "loop": 0, "comment": self.about}
+        first.save(self.path, "gif", save_all=True, append_images=others, **how)
 
 
 def delays(frames: int, seconds: float) -> list[int]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
@@ -16,6 +15,7 @@ from ..model.grid import Array
 from ..model.units import scales_in, speed_unit
 from .clock import time_axis, time_label
 from .frames import grid_of, in_memory, is_closed
+from .looks import setting
 from .records import FONTS, draw_records, is_polar, panels
 from .style import DOWN, INK, LEGEND, QUIET, SHADE, UP, WIDTH, mathtext
 from .theory import draw_profiles
@@ -83,11 +83,11 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
     if closed:
         from .closed_history import draw_closed_history  # loads JAX, by way of `cyclosis.closed`
 
-        with matplotlib.rc_context(FONTS):
+        with setting(FONTS):
             return draw_closed_history(in_memory(dataset), width, draw_speed, draw_power)
     if not polar:
         return draw_records(dataset, width)
-    with matplotlib.rc_context(FONTS):
+    with setting(FONTS):
         return _drawn(in_memory(dataset), width)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
 from ..model.doors import door
 from ..model.errors import number
 from ..stability.kinetic.travelling import TravellingState
+from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 
 ACROSS = 400
@@ -36,7 +36,7 @@ def travelling(found: TravellingState, width: float = WIDTH) -> Figure:
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     theta = np.linspace(0, 2 * np.pi, ACROSS)
     P, u = found.at(theta)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         across = (width - _LEFT - _RIGHT - _GAP) / 2
         left = place(figure, _LEFT, _BELOW, across, _HIGH)

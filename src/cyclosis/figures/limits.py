@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -12,6 +11,7 @@ from ..model.doors import door
 from ..model.errors import number
 from ..stability.existence.boundaries import Limits
 from ..stability.existence.onset import Neighbourhood
+from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 from .swept import axis
 
@@ -38,7 +38,7 @@ def limits(found: Limits, near: Neighbourhood | None = None, width: float = WIDT
         'limits.png'
     """
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _RATIO + _BETWEEN + _HIGH + _ABOVE)
         across = width - _LEFT - _RIGHT if near is None else 0.5 * (width - _LEFT - _RIGHT - _GAP)
         upper = place(figure, _LEFT, _BELOW + _RATIO + _BETWEEN, across, _HIGH)

@@ -19,6 +19,7 @@ from ..model.doors import door
 from ..model.errors import InputError, number, whole
 from ..model.grid import Array
 from ..model.units import scales_in
+from . import looks, style
 from .clock import movie_times
 from .encode import Output
 from .frames import area_shares, frame, in_memory, mean_square, peak_speed, travelled
@@ -86,11 +87,12 @@ def movie(
     listed = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
     if not listed:
         raise InputError("paths", listed, "at least one file name", "give the movie a name")
+    about = style.marks(dataset)
     with ExitStack() as stack:
-        outputs = [stack.enter_context(Output(path, frames, seconds)) for path in listed]
+        outputs = [stack.enter_context(Output(path, frames, seconds, about)) for path in listed]
         dataset = in_memory(dataset)
         shots = _shots(dataset, subject, frames, seconds, turns)
-        scene = Scene(subject.surface, *_order(dataset), height, scales_in(dataset))
+        scene = Scene(subject.surface, *_order(dataset), height, scales_in(dataset), looks.colours())
         for done, pixels in enumerate(_drawn(scene, shots, processes), 1):
             for output in outputs:
                 output.add(pixels)

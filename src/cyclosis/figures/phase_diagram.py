@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -16,6 +15,7 @@ from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
 from . import plane
+from .looks import setting
 from .regime_maps import regimes_and_time as regimes_and_time
 from .style import INK, SHADE, WIDTH, blank, place
 from .swept import Axis, Swept, place_of, swept
@@ -74,7 +74,7 @@ def phase_diagram(
     sweep = swept(dataset, select, log)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
     lines = [*thresholds(sweep.params, sweep.axes), *given(curves)]
-    with matplotlib.rc_context(plane.TYPE):
+    with setting(plane.TYPE):
         if len(sweep.axes) == 1:
             return _curve(sweep, lines, width)
         return _map(sweep, lines, chosen_cuts(sweep, cuts), width)

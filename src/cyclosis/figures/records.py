@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
@@ -14,6 +13,7 @@ from matplotlib.figure import Figure
 from ..model.scales import Scales
 from ..model.units import PURE, scales_in, speed_unit
 from .clock import time_axis, time_label
+from .looks import setting
 from .style import INK, LEGEND, TYPE, blank, mathtext, place
 
 # Places in millimetres.
@@ -71,7 +71,7 @@ def draw_records(dataset: xarray.Dataset, width: float) -> Figure:
         16
     """
     names, scales = recorded(dataset), scales_in(dataset)
-    with matplotlib.rc_context(FONTS):
+    with setting(FONTS):
         figure, panel = panels(width, -(-len(names) // COLUMNS))
         for number, name in enumerate(names):
             row, column = divmod(number, COLUMNS)

@@ -14,6 +14,7 @@ from ..model.doors import door
 from ..model.errors import number
 from ..stability.regime_map import RegimeMap
 from . import plane
+from .looks import setting
 from .style import INK, LEGEND, QUIET, SHADE, WIDTH, ZONE, blank, place
 from .swept import Axis, Codes, axis
 from .thresholds import BorderCurve, given, thresholds
@@ -87,7 +88,7 @@ def regime_map(
     )
     codes, sets = regions(found)
     lines = [*(thresholds(found.params, (x, y)) if theory else []), *given(curves)]
-    with matplotlib.rc_context(plane.TYPE):
+    with setting(plane.TYPE):
         below, above = _BELOW, plane.head(lines) + _ABOVE
         side = min(_SIDE, width - _LEFT - _RIGHT - 40.0)
         figure = blank(width, below + side + above)

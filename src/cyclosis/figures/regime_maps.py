@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
@@ -16,6 +15,7 @@ from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array
 from . import plane
+from .looks import setting
 from .style import INK, SHADE, UP, WIDTH, ZONE, blank, place
 from .swept import Swept, grouped, swept
 
@@ -67,7 +67,7 @@ def regimes_and_time(
     sweep = swept(dataset, select, log)
     times = sweep.variable("t_order")
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
-    with matplotlib.rc_context(plane.TYPE):
+    with setting(plane.TYPE):
         if len(sweep.axes) == 1:
             return _stack(sweep, times, width)
         return _maps(sweep, time_to_order(sweep.regime, times), width)

@@ -17,6 +17,7 @@ from ..model.errors import InputError
 from ..model.grid import Array
 from ..models.kinetic.angular import density
 from . import frames
+from .looks import setting
 from .style import INK, QUIET, TYPE, WIDTH, blank, place, polarity_rgb
 
 COLUMNS, ROWS = 8, 4
@@ -65,7 +66,7 @@ def roses(dataset: xarray.Dataset, times: npt.ArrayLike | None = None, width: fl
     zones = zones_of(np.stack([rings[-1][1].real, rings[-1][1].imag])[:, :, None])
     if zones.size:
         rows.append(("a zone", rings[-1], zones[0] + ACROSS * np.linspace(-1.0, 1.0, COLUMNS + 1)))
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         return _drawn(rows, width)
 
 

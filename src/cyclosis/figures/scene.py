@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib
 import numpy as np
 import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -17,6 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from ..model.grid import Array, CylinderGrid
 from ..model.scales import Scales
 from ..model.units import time_unit
+from . import looks
 from .clock import time_axis, time_text
 from .marks import Mark
 from .portraits import Look, portrait
@@ -61,7 +61,7 @@ class Shot:
 class Scene:
     """What all frames have in common: the surface, order (n,) over times (n,), the height in pixels.
 
-    With `scales` they are in units.
+    With `scales` they are in units; `colours` are one of `cyclosis.figures.looks.COLOURS`.
     """
 
     grid: CylinderGrid | Skin
@@ -69,6 +69,7 @@ class Scene:
     order: Array
     height: int
     scales: Scales | None = None
+    colours: str | None = None
 
 
 class SceneLayout:
@@ -76,7 +77,7 @@ class SceneLayout:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.portrait = scene, portrait(scene.grid)
-        with matplotlib.rc_context(_TYPE):
+        with looks.chosen(self.scene.colours), looks.setting(_TYPE):
             self.figure = blank(_WIDTH, _HEIGHT)
             # A little more than requested, because matplotlib rounds sizes down.
             self.figure.set_dpi((scene.height + 1e-3) / self.figure.get_size_inches()[1])
@@ -90,7 +91,7 @@ class SceneLayout:
         """Return the picture (height, width, 3) of one frame, top row first."""
         self._set(shot)
         self.canvas.restore_region(self.still)
-        with matplotlib.rc_context(_TYPE):
+        with looks.chosen(self.scene.colours), looks.setting(_TYPE):
             for ax in (self.solid, self.flat):
                 for artist in sorted(_contents(ax), key=lambda part: part.get_zorder()):
                     ax.draw_artist(artist)

@@ -17,6 +17,7 @@ from ..stability.branches.branch import Branch
 from ..stability.profiles.eigenmodes import Modes
 from ..stability.profiles.profile import Profile
 from ..stability.profiles.travelling import Drifting
+from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
@@ -40,7 +41,7 @@ def profile(found: Profile, width: float = WIDTH) -> Figure:
         >>> len(figure.axes)
         2
     """
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _PROFILE + _ABOVE)
         across = (width - _LEFT - _RIGHT - _GAP) / 2
         for k, (name, colour) in enumerate((("P_z", UP), ("u_z", INK))):
@@ -62,7 +63,7 @@ def drifting(found: Drifting, width: float = WIDTH) -> Figure:
         2
     """
     theta = np.append(found.theta, 2 * np.pi)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _PROFILE + _ABOVE)
         across = (width - _LEFT - _RIGHT - _GAP) / 2
         for k, (name, field) in enumerate((("P", found.P), ("u", found.u))):
@@ -96,7 +97,7 @@ def spectrum(found: Profile, modes: Modes, width: float = WIDTH) -> Figure:
     """
     width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     count = min(SHOWN, modes.eigenvalues.size)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         across = (width - _LEFT - _RIGHT - _GAP) / 2
         ax = place(figure, _LEFT, _BELOW, across, _HIGH)
@@ -141,7 +142,7 @@ def eigenvalues(branch: Branch, log: bool = False, width: float = WIDTH) -> Figu
         raise InputError(
             branch.name, float(branch.parameter.min()), "above 0 on a logarithmic scale", "raise its bound"
         )
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         across = 0.55 * (width - _LEFT - _RIGHT - _GAP)
         ax = place(figure, _LEFT, _BELOW, across, _HIGH)

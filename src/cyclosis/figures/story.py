@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
@@ -17,6 +16,7 @@ from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 from . import cylinder
 from .frames import facing_zone
+from .looks import setting
 from .style import INK, QUIET, TYPE, WIDTH, blank, place
 
 # Places in millimetres.
@@ -89,7 +89,7 @@ def story(
     lines = textwrap.wrap(text, int((width - 2 * _MARGIN) / _LETTER)) if text else []
     foot = _LINE * len(lines) + (2.0 if lines else 0.0)
     row = _TALL + _TITLE if shown else 0.0
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, foot + _BELOW + _PANEL + _ABOVE + row)
         _panels(figure, panels, foot + _BELOW, width)
         if shown:

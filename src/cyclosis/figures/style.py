@@ -12,19 +12,18 @@ from typing import Any
 import matplotlib
 import numpy as np
 import numpy.typing as npt
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from ..display.colours import GREEN, PURPLE, diverging
 from ..display.colours import ZONE as ZONE
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.scales import Scales
 from ..model.units import round_length
+from ..version import __version__
+from . import looks
+from .looks import setting
 
-POLARITY = LinearSegmentedColormap.from_list(
-    "polarity", [(0.5 + 0.5 * value, colour) for value, colour in diverging(GREEN, PURPLE)], N=1024
-)
+POLARITY = looks.polarity_map()
 """Colours of P_z from -1 (green) through 0 (nearly black) to 1 (purple), darker for smaller |P_z|."""
 
 INK = "#1b1720"
@@ -68,7 +67,7 @@ TYPE: dict[Any, Any] = {
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
 }
-"""Matplotlib settings shared by all figures; use as `with matplotlib.rc_context(TYPE)`."""
+"""Matplotlib settings shared by all figures; use as `with setting(TYPE)`."""
 
 
 LEGEND: dict[str, Any] = {
@@ -90,8 +89,15 @@ LEGEND: dict[str, Any] = {
 def polarity_rgb(P_z: npt.ArrayLike) -> Array:
     """Return the colours (..., 3), in 0 to 1, of axial polarities (...) in -1 to 1 (dimensionless)."""
     values = np.clip(np.asarray(P_z, dtype=np.float64), -1.0, 1.0)
-    colours: Array = np.asarray(POLARITY(0.5 * (values + 1.0)), dtype=np.float64)
+    colours: Array = np.asarray(looks.polarity_map()(0.5 * (values + 1.0)), dtype=np.float64)
     return colours[..., :3]
+
+
+def state_rgb(P: Array, size_only: bool = False) -> Array:
+    """Return the colours (..., 3) of order vectors (2, ...): of P_z, or of |P|, or of both if so chosen."""
+    if looks.colours() == looks.DIRECTION:
+        return looks.direction_rgb(P)
+    return polarity_rgb(np.hypot(*P) if size_only else P[1])
 
 
 _MATHTEXT = {
@@ -129,6 +135,9 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 
 def colour_key(ax: Any, title: str = "$P_z$", signed: bool = True) -> None:
     """Draw the colours of P_z into narrow upright axes, up-streaming on top; from 0 on if not `signed`."""
+    if looks.colours() == looks.DIRECTION:
+        _direction_key(ax)
+        return
     low = -1.0 if signed else 0.0
     levels = np.linspace(low, 1.0, 512)
     ax.imshow(polarity_rgb(levels)[:, None, :], extent=(0, 1, low, 1), origin="lower", aspect="auto")
@@ -138,6 +147,17 @@ def colour_key(ax: Any, title: str = "$P_z$", signed: bool = True) -> None:
     ax.set_yticks([-1, 0, 1] if signed else [0, 1], ["−1", "0", "1"] if signed else ["0", "1"])
     ax.yaxis.tick_right()
     ax.set_title(title, pad=5.0, fontsize=matplotlib.rcParams["font.size"])
+
+
+def _direction_key(ax: Any) -> None:
+    """Draw the colours of directions upright, with |P| from 0 to 1 across."""
+    angle, size = np.meshgrid(np.linspace(-np.pi, np.pi, 361), np.linspace(0.0, 1.0, 32), indexing="ij")
+    P = size * np.stack([np.cos(angle), np.sin(angle)])
+    ax.imshow(looks.direction_rgb(P), extent=(0, 1, -2, 2), origin="lower", aspect="auto")
+    ax.set_xticks([0, 1], ["0", "1"], fontsize=7.0)
+    ax.set_yticks([-2, -1, 0, 1, 2], ["←", "↓", "→", "↑", "←"], family="DejaVu Sans")
+    ax.yaxis.tick_right()
+    ax.set_title(r"$\mathbf{P}$", pad=5.0, fontsize=matplotlib.rcParams["font.size"])
 
 
 def scale_bar(ax: Any, scales: Scales | None, box: Sequence[float]) -> None:
@@ -155,11 +175,42 @@ def scale_bar(ax: Any, scales: Scales | None, box: Sequence[float]) -> None:
     )  # fmt: skip
 
 
-def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
-    """Write a figure as PNG (300 dpi) or PDF, by the suffix of `path`, and return the path.
+SUFFIXES = (".png", ".pdf", ".svg", ".eps")
+"""Formats of figures."""
 
-    The file appears complete or not at all, and replaces an existing one. Raises `InputError` for other
-    suffixes and for places that cannot be written to.
+
+def signed(figure: Figure, *datasets: Any) -> Figure:
+    """Return a figure that `save` marks as one of runs or sweeps, by the SHA-256 of their configurations."""
+    figure.set_label(marks(*datasets))
+    return figure
+
+
+def marks(*datasets: Any) -> str:
+    """Return the SHA-256 of the configurations of runs, or the digests of sweeps, in words."""
+    names = ("configuration_sha256", "digest")
+    return "; ".join(
+        f"{name} {data.attrs[name]}" for data in datasets for name in names if name in data.attrs
+    )
+
+
+def _metadata(figure: Figure, kind: str) -> dict[str, Any]:
+    """Return what a saved figure says of its origin, in the words that its format has."""
+    maker, about = f"cyclosis {__version__}", str(figure.get_label())
+    if kind == "png":
+        return {"Software": maker, "Description": about}
+    if kind == "pdf":
+        return {"Creator": maker, "Keywords": about}
+    if kind == "svg":
+        return {"Creator": maker, "Description": about, "Date": None}
+    return {"Creator": f"{maker} {about}".strip()}
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Write a figure as PNG (300 dpi), PDF, SVG or EPS, by the suffix of `path`, and return the path.
+
+    The file appears complete or not at all, and replaces an existing one. Its metadata name the program, and
+    the SHA-256 of the configuration if it is the figure of a run (see `signed`). Raises `InputError` for
+    other suffixes and for places that cannot be written to.
 
     Example:
         >>> from cyclosis.figures import style
@@ -174,12 +225,13 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
     target = Path(path)
     kind = target.suffix.lower()
-    if kind not in (".png", ".pdf"):
-        raise InputError("path", str(target), "a file name that ends in .png or .pdf", "change its suffix")
+    if kind not in SUFFIXES:
+        rule = "a file name that ends in .png, .pdf, .svg or .eps"
+        raise InputError("path", str(target), rule, "change its suffix")
     drawn = io.BytesIO()
     try:
-        with matplotlib.rc_context(TYPE):
-            figure.savefig(drawn, dpi=DPI, format=kind[1:])
+        with setting(TYPE):
+            figure.savefig(drawn, dpi=DPI, format=kind[1:], metadata=_metadata(figure, kind[1:]))
         with whole(target) as new:
             new.write_bytes(drawn.getvalue())
     except OSError as error:

@@ -13,7 +13,7 @@ from ..model.grid import CylinderGrid, interpolate
 from ..model.scales import Scales
 from ..model.units import length_text
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
-from .style import INK, ZONE, polarity_rgb
+from .style import INK, ZONE, state_rgb
 
 SCALE = 1.35
 """Lines are wider and sparser than on a cylinder, because maps are printed at a smaller scale."""
@@ -78,10 +78,10 @@ def paint_map(
     state, flow = grid.check_state(P), grid.check_state(u, "the flow")
     # Lines are sought a little beyond the edges and clipped there, so that they continue seamlessly.
     window = (-_EDGE, 2 * np.pi + _EDGE)
-    fine = interpolate(state[1], (4 * grid.n_theta, 4 * grid.n_z))
-    d_theta, d_z = 2 * np.pi / fine.shape[0], grid.length / fine.shape[1]
+    fine = interpolate(state, (4 * grid.n_theta, 4 * grid.n_z))
+    d_theta, d_z = 2 * np.pi / fine.shape[1], grid.length / fine.shape[2]
     ax.imshow(
-        polarity_rgb(np.pad(fine, ((0, 1), (0, 1)), mode="wrap").T),
+        state_rgb(np.pad(fine, ((0, 0), (0, 1), (0, 1)), mode="wrap").transpose(0, 2, 1)),
         origin="lower",
         interpolation="bilinear",
         extent=(-0.5 * d_theta, 2 * np.pi + 0.5 * d_theta, -0.5 * d_z, grid.length + 0.5 * d_z),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -21,6 +20,7 @@ from ..vacuole.flow import VacuoleFlow
 from ..vacuole.splines import coefficients, compiled_velocity, lattice_of
 from ..vacuole.tracers import cartesian_places
 from .cylinder import TILT, checked_tilt
+from .looks import setting
 from .streamlines import traced
 from .style import INK, PAPER, QUIET, TYPE, ZONE, blank, colour_key, place, polarity_rgb
 
@@ -74,7 +74,7 @@ def vacuole_cutaway(
     tilt = checked_tilt(tilt)
     lines = whole("lines", lines, 0, 2000, "choose a number of streamlines")
     up = float(grid.length * np.cos(tilt) + 2 * np.sin(tilt))
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         across = width - 2 * _MARGIN - _KEY
         figure = blank(width, across * up / 2 + 2 * _BELOW)
         ax = place(figure, _MARGIN, _BELOW, across, across * up / 2)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
@@ -10,6 +9,7 @@ from matplotlib.figure import Figure
 from ..model.doors import door
 from ..vacuole import dispersion
 from ..vacuole.flow import VacuoleFlow
+from .looks import setting
 from .style import INK, QUIET, TYPE, UP, blank, place
 from .vacuole_bands import compared, legend_of, peclet_numbers, wound
 
@@ -39,7 +39,7 @@ def vacuole_dispersion(
     """
     profile, turn = compared(flow, pitch)
     numbers = peclet_numbers(peclets)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         ax = place(figure, _LEFT, _BELOW, width - _LEFT - _RIGHT, _HIGH)
         ax.axhline(1.0, color=QUIET, linewidth=1.1, dashes=(4, 2), label="diffusion")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -12,6 +11,7 @@ from matplotlib.patches import Circle
 from ..model.doors import door
 from ..model.errors import InputError
 from ..vacuole.helix import axis_speed, radial_stream
+from .looks import setting
 from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 
 SHOWN = (1.5, 2.8222629826, 5.0, 10.0)
@@ -37,7 +37,7 @@ def vacuole_pitch(pitches: tuple[float, ...] = SHOWN, width: float = WIDTH) -> F
     if len(pitches) != 4:
         raise InputError("pitches", pitches, "four numbers", "choose those to draw")
     speeds = axis_speed(pitches)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         across = width - _LEFT - 2 * _SECTION - 3 * _GAP
         ax = place(figure, _LEFT, _BELOW, across, _HIGH)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.figure import Figure
@@ -15,6 +14,7 @@ from ..model.errors import InputError, number, whole
 from ..vacuole import poincare, stream_function, trace
 from ..vacuole.flow import VacuoleFlow
 from ..vacuole.section import winding
+from .looks import setting
 from .style import INK, QUIET, TYPE, blank, place
 
 TRACERS, DURATION = 32, 800.0
@@ -58,7 +58,7 @@ def vacuole_poincare(
     angle = np.pi * (3 - np.sqrt(5.0)) * np.arange(count)
     starts = np.stack([np.sqrt(share), angle, np.full(count, height)], axis=1)
     found = poincare(trace(flow, starts, duration), height)
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         side = width - 2 * _MARGIN
         figure = blank(width, side + _MARGIN + _ABOVE)
         ax = place(figure, _MARGIN, _MARGIN, side, side)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -13,6 +12,7 @@ from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array
 from ..vacuole.flow import VacuoleFlow
+from .looks import setting
 from .style import INK, POLARITY, QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb
 
 RADII, AROUND = 65, 360
@@ -50,7 +50,7 @@ def vacuole_section(
     if angle is None:
         angle = float(theta[np.argmax(np.abs(rim))])
     angle = number("angle", angle, -1e6, 1e6, "choose an angle in radians")
-    with matplotlib.rc_context(TYPE):
+    with setting(TYPE):
         figure = blank(width, _BELOW + _SIDE + _ABOVE)
         peak = max(float(np.abs(rim).max()), 1e-300)
         _map(place(figure, _LEFT, _BELOW, _SIDE, _SIDE), flow, height, angle, rim, peak)
