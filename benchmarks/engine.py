@@ -56,7 +56,9 @@ def library(n_theta: int, n_z: int, repeats: int) -> float:
 
 def main() -> None:
     """Print a table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--grids", nargs="+", default=["32x32", "64x64", "48x128", "60x60", "128x128"])
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
