@@ -36,7 +36,7 @@ def emergence(
     from ..figures import emergence as figure
 
     shown, mapped = (None if text is None else _TIMES.parse(text) for text in (times, map_times))
-    how = {"times": shown, "map_times": mapped, **width(looks)}
+    how: dict[str, Any] = {"times": shown, "map_times": mapped, **width(looks)}
     target = out or file.with_suffix(".png")
     _draw(file, target, force, lambda data: figure.emergence(data, **how), looks)
 
@@ -92,7 +92,7 @@ def compare(
     target = out or first.with_name(f"{first.stem}-{second.stem}.png")
     with dataset.open_dataset(second) as other:
         names = first.stem, second.stem
-        how = {"time": at, "names": names, **width(looks)}
+        how: dict[str, Any] = {"time": at, "names": names, **width(looks)}
         _draw(first, target, force, lambda data: figure.compare(data, other, **how), looks, other)
 
 
@@ -213,7 +213,7 @@ command(
     figures,
     "figure snapshot run.nc --at 22",
     "figure snapshot run.nc --view map --width-mm 89 --out panel.pdf",
-    "figure snapshot run.nc --colours direction --radius-um 500 --speed-um-s 75",
+    "figure snapshot run.nc --colours direction --view cylinder",
 )(snapshot)
 command(figures, "figure compare a.nc b.nc --at 30")(compare)
 command(figures, "figure roses kinetic.nc --times 0,10,20,200")(roses)

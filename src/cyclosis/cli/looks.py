@@ -69,7 +69,7 @@ def looking(looks: Mapping[str, Any]) -> AbstractContextManager[None]:
     return chosen(looks.get("colours"), looks.get("font"), looks.get("style"))
 
 
-def width(looks: Mapping[str, Any]) -> dict[str, float]:
+def width(looks: Mapping[str, Any]) -> dict[str, Any]:
     """Return the width of a figure as an argument, {} for its own."""
     given = looks.get("width_mm")
     return {} if given is None else {"width": given}

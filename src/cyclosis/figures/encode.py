@@ -43,11 +43,11 @@ class Output:
 
     The kind follows from the suffix of `path`. `frames` pictures last `seconds` in total: in an MP4 equally
     long, with the total right to a millisecond, in a GIF in whole hundredths of a second that add up. Frames
-    go to a temporary file next to `path`. Raises `InputError` for other suffixes, for a GIF whose frames
-    would be shown too long, and for places that cannot be written to.
+    go to a temporary file next to `path`, and `about` to its comment. Raises `InputError` for other suffixes,
+    for a GIF whose frames would be shown too long, and for places that cannot be written to.
     """
 
-    def __init__(self, path: str | os.PathLike[str], frames: int, seconds: float) -> None:
+    def __init__(self, path: str | os.PathLike[str], frames: int, seconds: float, about: str = "") -> None:
         self.path = Path(path)
         kind = self.path.suffix.lower()
         if kind not in SUFFIXES:

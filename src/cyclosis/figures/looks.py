@@ -69,7 +69,8 @@ def chosen(
 
 def setting(base: Mapping[str, Any]) -> Any:
     """Return the context of matplotlib with the type of a figure, and what was chosen instead."""
-    return matplotlib.rc_context({**base, **_SETTINGS.get()})
+    settings: dict[Any, Any] = {**base, **_SETTINGS.get()}
+    return matplotlib.rc_context(settings)
 
 
 def colours() -> str:
@@ -126,9 +127,11 @@ def _sheet(place: str | os.PathLike[str] | None) -> dict[str, Any]:
     from matplotlib import style as sheets
 
     if str(place) in sheets.library:
-        return dict(sheets.library[str(place)])
+        known: Any = sheets.library[str(place)]
+        return dict(known)
     try:
-        return dict(matplotlib.rc_params_from_file(place, fail_on_error=True, use_default_template=False))
+        read: Any = matplotlib.rc_params_from_file(place, fail_on_error=True, use_default_template=False)
+        return dict(read)
     except (OSError, ValueError, KeyError, UnicodeDecodeError) as error:
         rule = "a style sheet of matplotlib, or the name of one"
         reason = " ".join(str(getattr(error, "strerror", None) or error).split())[:80]
