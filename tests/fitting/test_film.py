@@ -76,9 +76,9 @@ def test_the_prior_of_the_initial_state_is_found_by_its_evidence():
 def film():
     """A film of the flow of a small cell that the model's small grid resolves."""
     grid = cy.CylinderGrid(16, 16, 5.0)
-    start = 3.0 * cy.interpolate(cy.initial.disordered(cy.CylinderGrid(8, 8, 5.0), 30.0, 5), grid.shape)
+    start = cy.interpolate(cy.initial.disordered(cy.CylinderGrid(8, 8, 5.0), 30.0, 5), grid.shape)
     run = cy.simulate(
-        cy.Parameters(**TRUTH), grid, start, t_end=5.0, save_at=np.arange(1.0, 5.1, 0.5), rtol=1e-8
+        cy.Parameters(**TRUTH), grid, start, t_end=5.0, save_at=np.arange(1.5, 5.1, 0.25), rtol=1e-8
     )
     return run.to_dataset()[["u"]]
 
@@ -97,13 +97,15 @@ def noisy(film, noise, seed=0):
 
 
 @pytest.mark.slow
-def test_an_exact_film_gives_the_parameters(film, small):
+def test_an_exact_film_gives_the_parameters(film, small, monkeypatch):
+    monkeypatch.setattr(matching, "FINEST", 6.0)
     fit = cy.fit(film.isel(theta=slice(2, 14)), method="film")
     assert fit.refused is None
     for name, truth in TRUTH.items():
-        assert fit.estimate[name] == pytest.approx(truth, rel=0.03), name
+        assert fit.estimate[name] == pytest.approx(truth, rel=0.002), name
 
 
+@pytest.mark.slow
 def test_some_parameters_of_a_small_film(film, small):
     """The others are given, so that it is quick."""
     data = noisy(film, 0.01)
@@ -137,3 +139,25 @@ def test_a_film_of_another_model_is_refused(film, small):
     assert "chi²/N" in fit.refused
     assert all(np.isnan(value) for value in fit.estimate.values())
     assert fit.interval["mu"] == (0.0, np.inf)
+
+
+@pytest.mark.slow
+def test_a_start_that_is_wrong_by_half(monkeypatch):
+    """The paper's cell, 13 frames, ±70°, 2 % noise: ε and d_r are told by it to 12 and 7 % only."""
+    truth = {name: getattr(cy.Parameters(), name) for name in NAMES}
+    signs = dict(zip(NAMES, (1, -1, 1, -1, 1, -1, 1), strict=True))
+    start = {name: truth[name] * 1.5 ** signs[name] for name in NAMES}
+    monkeypatch.setattr(matching, "START", {**start, "U": 1.0})
+    grid, times = cy.CylinderGrid(32, 32), np.arange(4.0, 10.1, 0.5)
+    begin = cy.initial.disordered(grid, seed=0)
+    run = cy.simulate(cy.Parameters(), grid, begin, t_end=10.0, save_at=times, rtol=1e-8)
+    data = run.to_dataset()[["u"]]
+    data = data.isel(theta=np.abs(data["theta"].values - np.pi) <= np.radians(70))
+    noise = 0.02 * np.random.default_rng(1000).normal(size=data["u"].shape)
+    fit = cy.fit(data.assign(u=data["u"] + noise), method="film")
+    assert fit.refused is None
+    assert fit.residual == pytest.approx(1.0, abs=0.03)
+    for name in ("alpha_p", "alpha_u", "d_s", "d_r", "kappa", "mu"):
+        assert fit.estimate[name] == pytest.approx(truth[name], rel=0.06), name
+    inside = [fit.interval[name][0] < truth[name] < fit.interval[name][1] for name in NAMES]
+    assert sum(inside) >= 6
