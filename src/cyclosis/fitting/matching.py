@@ -1,14 +1,9 @@
 """Parameters from a film of u alone: runs from an unknown initial state are matched to it.
 
-The unknowns are the logarithms of the parameters and the Fourier coefficients of P at the first frame. The
-cost is half of
-
-    Σ (u_model - u)²/σ² + Σ ξ² + Σ ln²(p/p_0),
-
-with P_k = s_k ξ_k, where s_k falls off beyond the waves that diffusion leaves: that is the smooth prior.
-L-BFGS
-comes near the minimum, and Gauss-Newton steps with the exact Jacobian, by forward differentiation, end there.
-Its inverse gives the intervals: the initial state is integrated out with the parameters' posterior.
+The unknowns are the logarithms of the parameters, with a prior of a factor e about the paper's values, and
+the Fourier coefficients of P at the first frame, with a smooth prior. `search` finds the most probable ones.
+The intervals are those of the posterior's normal approximation, in which the initial state is integrated
+out; they are widened by sqrt(χ²/N) where that is above 1.
 """
 
 from __future__ import annotations
@@ -30,9 +25,12 @@ from ..model.precision import double
 from .film import Film, noise_of
 from .judged import NOISY, refusal
 from .result import ORDER, Direction, Fit
+from .search import Problem, search
 
-POINTS, DT, MODES = 32, 0.1, 8
-"""Points of the model's grid either way, its step in R/U, and the highest waves of the initial state."""
+POINTS, DT, COARSE = 32, 0.125, 0.25
+"""Points of the model's grid either way, and its steps in R/U for the misfit and for its slopes."""
+FINEST, FEWEST, MOST_WAVES = 7.0, 3, 12
+"""Largest wave number of the initial state, per radian or radius, and least and most waves along the cell."""
 START = {
     "alpha_p": 1.0,
     "alpha_u": 0.5,
@@ -44,14 +42,16 @@ START = {
     "U": 1.0,
 }
 """Where the search begins: the paper's values. The prior is a factor e either way."""
-SMOOTH = 3.0
-"""Waves beyond which the prior of P falls off, as (1 + k²/SMOOTH²)^-2."""
-FIRST, SECOND, STEPS = 60, 250, 4
-"""Iterations for the initial state alone, for everything, and Gauss-Newton steps."""
+WIDTH = 2.5
+"""Wave number at which the prior of P begins to fall off, before the film has told it."""
+STAGES = 16
+"""Steps that a search usually takes, for the progress."""
 LEAST, LONGEST = 4, 400
 """Frames and steps of a film that is matched."""
-GOOD = (0.6, 1.5)
-"""Values of χ²/N of a model that fits."""
+WRONG = 1.5
+"""χ²/N of a model that does not fit."""
+OPEN = 0.1
+"""Gain still expected of one more step, beyond which a search has not ended."""
 LOST = 0.5
 """Posterior deviation of a logarithm at which the prior, 1, decides."""
 SHARE = 24
@@ -60,7 +60,11 @@ SHARE = 24
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """A film prepared for matching: `names` are the free parameters, in the order of the first unknowns."""
+    """A film prepared for matching: `names` are the free parameters, in the order of the first unknowns.
+
+    `around` and `along` are the waves of the grid at the film's places, and `waves` the cosines and sines of
+    the initial state on the grid, of which those in `kept` are used.
+    """
 
     grid: CylinderGrid
     names: tuple[str, ...]
@@ -71,13 +75,14 @@ class Match:
     data: Array
     sigma: Array
     seen: npt.NDArray[np.bool_]
-    size: Array
     waves: tuple[Array, Array]
+    squares: Array
+    kept: npt.NDArray[np.bool_]
 
-    def initial(self, xi: Any) -> Any:
-        """Return P (2, n_theta, n_z) of the unknowns (2, 2 MODES + 1, 2 MODES + 1), cosines and sines."""
-        left, right = self.waves
-        return jnp.einsum("am,cmn,bn->cab", left, self.size * xi, right)
+    def initial(self, waves: Any) -> Any:
+        """Return P (2, n_theta, n_z) of the coefficients that are used."""
+        full = jnp.zeros((2, *self.kept.shape)).at[:, self.kept].set(waves.reshape(2, -1))
+        return jnp.einsum("am,cmn,bn->cab", self.waves[0], full, self.waves[1])
 
     def values(self, logs: Any) -> dict[str, Any]:
         """Return the parameters by name, the rates in units of the data's time."""
@@ -94,27 +99,40 @@ class Match:
             **{n: v if n == "mu" else v * unit for n, v in given.items()},
         }
 
-    def flow(self, unknowns: Any, frames: int | None = None) -> Any:
-        """Return u (n, 2, points) where it was seen, at the first `frames` times."""
-        logs, xi = unknowns[: len(self.names)], unknowns[len(self.names) :]
+    def fields(self, unknowns: Any, dt: float) -> tuple[Any, Any]:
+        """Return P and u (n, 2, n_theta, n_z) on the grid at the film's times."""
+        logs, waves = unknowns[: len(self.names)], unknowns[len(self.names) :]
         values = self.values(logs)
         unit = values.pop("U")
-        P0 = self.initial(xi.reshape(2, 2 * MODES + 1, 2 * MODES + 1))
-        times = self.times[:frames]
-        P = traced.rollout(PLAIN, self.grid, P0, times, DT, **values)
-        u = jax.vmap(lambda p: traced.flow(PLAIN, self.grid, p, mu=values["mu"]))(P)
-        wave = jnp.fft.fft2(u, norm="forward")
+        P = traced.rollout(PLAIN, self.grid, self.initial(waves), self.times, dt, **values)
+        return P, unit * jax.vmap(lambda p: traced.flow(PLAIN, self.grid, p, mu=values["mu"]))(P)
+
+    def misfit(self, unknowns: Any, dt: float = DT) -> Any:
+        """Return (u_model - u)/σ where u was seen, as one vector."""
+        wave = jnp.fft.fft2(self.fields(unknowns, dt)[1], norm="forward")
         there = jnp.einsum("am,tcmn,bn->tcab", self.around, wave, self.along).real
-        return unit * there[..., self.seen]
+        return ((there[..., self.seen] - self.data) / self.sigma).ravel()
 
-    def misfit(self, unknowns: Any, frames: int | None = None) -> Any:
-        """Return (u_model - u)/σ as one vector."""
-        return ((self.flow(unknowns, frames) - self.data[:frames]) / self.sigma).ravel()
+    def problem(self) -> Problem:
+        """Return what `search` minimises."""
+        misfit = jax.jit(self.misfit)
+        columns = jax.jit(lambda x, v: jax.vmap(jax.linearize(lambda y: self.misfit(y, COARSE), x)[1])(v))
 
-    def prior(self, unknowns: Any) -> Any:
-        """Return what the prior adds to the vector of the misfit."""
-        begin = jnp.log(jnp.array([START[name] for name in self.names]))
-        return jnp.concatenate([unknowns[: len(self.names)] - begin, unknowns[len(self.names) :]])
+        def jacobian(x: Array) -> Array:
+            unit = np.eye(-(-x.size // SHARE) * SHARE, x.size)
+            shares = [columns(x, unit[k : k + SHARE]) for k in range(0, x.size, SHARE)]
+            return np.concatenate([np.asarray(share) for share in shares])[: x.size]
+
+        mean = [np.mean(wave**2, axis=0) for wave in self.waves]
+        peak = np.quantile(np.hypot(self.data[:, 0], self.data[:, 1]), 0.999)
+        return Problem(
+            lambda x: np.asarray(misfit(x)),
+            jacobian,
+            np.log([START[name] for name in self.names]),
+            np.tile(self.squares[self.kept], 2),
+            np.tile(np.outer(*mean)[self.kept], 2) / 2,
+            np.broadcast_to(peak / self.sigma, self.data.shape).ravel(),
+        )
 
 
 PLAIN = Parameters()
@@ -160,7 +178,6 @@ def _match(
     assert film.u is not None
     own = film.attributes.get("length")
     span = float(film.z[-1] - film.z[0])
-    step = span / (film.z.size - 1)
     if length is None:
         length = float(own) if own is not None else 1.2 * span
     period = number("length", length, max(span - 1e-9, 0.1), 1e3, "give the period of the cell, in radii")
@@ -169,20 +186,14 @@ def _match(
         raise InputError(
             "the film", f"{film.times[-1] - film.times[0]:.6g} R/U", rule, "take the part that changes"
         )
-    del step
     grid = CylinderGrid(POINTS, POINTS, period)
     m, q = grid.m, grid.q
     around = np.exp(1j * np.outer(film.theta, m))
     along = np.exp(1j * np.outer(film.z, q))
-    rms = np.sqrt(np.mean(film.u[:2][..., film.seen] ** 2) * 2)
-    size = np.clip(rms, 1e-6, 1.0) ** (1 / 3)
-    k2 = np.arange(MODES + 1) ** 2
-    both = np.concatenate([k2, k2[1:]])
-    square = both[:, None] + both[None, :] * (2 * np.pi / period) ** 2
-    fall = (1 + square / SMOOTH**2) ** -2.0
-    left, right = _real_waves(grid.theta), _real_waves(2 * np.pi * grid.z / period)
-    total = np.einsum("am,mn,bn->ab", left**2, fall**2, right**2).mean()
-    fall *= size / np.sqrt(2 * total)
+    first = 2 * np.pi / period
+    counts = int(FINEST), int(np.clip(FINEST / first, FEWEST, MOST_WAVES))
+    orders = [np.concatenate([np.arange(n + 1), np.arange(1, n + 1)]) for n in counts]
+    squares = orders[0][:, None] ** 2 + (orders[1] * first) ** 2
     sigma = np.sqrt(np.maximum(variance, 1e-2 * variance[:, film.seen].mean()))
     return Match(
         grid,
@@ -194,36 +205,31 @@ def _match(
         film.u[..., film.seen],
         sigma[..., film.seen],
         film.seen,
-        fall,
-        (left, right),
+        (_real_waves(grid.theta, counts[0]), _real_waves(first * grid.z, counts[1])),
+        squares,
+        squares <= max(FINEST, FEWEST * first) ** 2,
     )
 
 
-def _real_waves(angle: Array) -> Array:
-    k = np.arange(MODES + 1)
+def _real_waves(angle: Array, most: int) -> Array:
+    k = np.arange(most + 1)
     return np.concatenate([np.cos(np.outer(angle, k)), np.sin(np.outer(angle, k[1:]))], axis=1)
 
 
-def _begin(match: Match) -> Array:
+def _begin(match: Match, problem: Problem, size: float) -> Array:
     """Return unknowns near the film: |P|² P is about u where it was seen, and smooth elsewhere."""
-    n = len(match.names)
     first = match.data[: min(3, len(match.data))].mean(axis=0)
     P = first / np.maximum(np.hypot(*first), 1e-12) ** (2 / 3)
     # Ridge regression of the window's values on the prior's waves.
-    left = np.asarray(
-        np.einsum("am,mj->aj", match.around, np.fft.fft(match.waves[0], axis=0, norm="forward")).real
+    left, right = (
+        np.einsum("am,mj->aj", there, np.fft.fft(waves, axis=0, norm="forward")).real
+        for there, waves in zip((match.around, match.along), match.waves, strict=True)
     )
-    right = np.asarray(
-        np.einsum("bn,nj->bj", match.along, np.fft.fft(match.waves[1], axis=0, norm="forward")).real
-    )
-    design = np.einsum("am,bn,mn->abmn", left, right, match.size)[match.seen].reshape(len(P[0]), -1)
-    ridge = 0.05
-    solve = np.linalg.solve(design.T @ design / ridge + np.eye(design.shape[1]), design.T @ P.T / ridge)
-    return (
-        np.concatenate([np.log([START[name] for name in match.names]), solve.T.ravel()])
-        if n
-        else solve.T.ravel()
-    )
+    design = np.einsum("am,bn->abmn", left, right)[match.seen][:, match.kept]
+    scale = problem.scale(size, WIDTH)[problem.logs :][: design.shape[1]]
+    design, ridge = design * scale, 0.05
+    solve = np.linalg.solve(design.T @ design / ridge + np.eye(scale.size), design.T @ P.T / ridge)
+    return np.concatenate([problem.begin, (scale * solve.T).ravel()])
 
 
 def _fitted(
@@ -236,71 +242,51 @@ def _fitted(
     seed: int,
     progress: Callable[[int, int], None] | None,
 ) -> Fit:
-    from scipy.optimize import minimize
-
     n = len(free)
-    total = FIRST + SECOND + STEPS * 10
     done = [0]
 
-    def told(*_: Any) -> None:
+    def told() -> None:
         done[0] += 1
         if progress is not None:
-            progress(min(done[0], total), total)
+            progress(min(done[0], STAGES), STAGES + 1)
 
-    def cost(x: Any, frames: int | None) -> Any:
-        return 0.5 * (match.misfit(x, frames) ** 2).sum() + 0.5 * (match.prior(x) ** 2).sum()
-
-    x = _begin(match)
-    few = max(2, min(len(match.times), 4))
-    short = jax.jit(jax.value_and_grad(lambda x: cost(x, few)))
-    held = np.r_[np.zeros(n), np.ones(x.size - n)]
-
-    def first(x: Array) -> tuple[float, Array]:
-        value, slope = short(jnp.asarray(x))
-        return float(value), np.asarray(slope) * held
-
-    options = {"maxcor": 30, "maxfun": 10 * FIRST}
-    x = minimize(first, x, jac=True, method="L-BFGS-B", callback=told, options=options | {"maxiter": FIRST}).x
-    done[0] = FIRST
-    whole = jax.jit(jax.value_and_grad(lambda x: cost(x, None)))
-
-    def second(x: Array) -> tuple[float, Array]:
-        value, slope = whole(jnp.asarray(x))
-        found = float(value)
-        return (found, np.asarray(slope)) if np.isfinite(found) else (1e30, np.zeros_like(x))
-
-    options = {"maxcor": 30, "maxfun": 2 * SECOND, "maxiter": SECOND}
-    x = minimize(second, x, jac=True, method="L-BFGS-B", callback=told, options=options).x
-    done[0] = FIRST + SECOND
-    x, hessian, chi2, effective = _newton(match, x, told)
-    covariance: Array = np.asarray(np.linalg.inv(hessian)[:n, :n], dtype=np.float64)
+    problem = match.problem()
+    # u is about |P|² P, and the film's first frames bound it from above with their noise.
+    rms = np.sqrt(2 * np.mean(match.data[:2] ** 2))
+    size = float(np.clip(rms, 1e-6, 1.0) ** (1 / 3))
+    found = search(problem, _begin(match, problem, size), size, WIDTH, told)
+    x = found.x
+    ratio = found.chi2 / max(match.data.size - found.effective, 1.0)
+    covariance = found.covariance * max(ratio, 1.0)
     deviation = np.sqrt(np.diag(covariance))
     values = np.exp(x[:n])
-    count = match.data.size
-    ratio = chi2 / max(count - effective, 1.0)
     logs = dict(zip(free, deviation.tolist(), strict=True))
-    found = dict(zip(free, values.tolist(), strict=True))
+    best = dict(zip(free, values.tolist(), strict=True))
     lost = [name for name in free if logs[name] > LOST]
     sentence = None
-    if not GOOD[0] < ratio < GOOD[1]:
+    if not ratio < WRONG:
         sentence = (
-            f"No run of the model matches this film (chi²/N is {ratio:.3g}, the noise alone gives "
-            f"1); take a part "
-            "of the film in which streaming appears, and check the geometry."
+            f"No run of the model matches this film (chi²/N is {ratio:.3g}, the noise alone gives 1); take a "
+            "part of the film in which streaming appears, and check the geometry and the length."
+        )
+        lost = list(free)
+    elif not found.short < OPEN:
+        sentence = (
+            "The search has not ended at a best fit; take a shorter part of the film, or fix parameters."
         )
         lost = list(free)
     elif any(name in names for name in lost):
         told_of = ", ".join(name for name in lost if name in names)
         sentence = f"This film cannot tell {told_of}; film the hours in which streaming appears, or fix them."
     if progress is not None:
-        progress(total, total)
+        progress(STAGES + 1, STAGES + 1)
     return Fit(
         "film",
-        {name: float("nan") if name in lost else found[name] for name in names},
+        {name: float("nan") if name in lost else best[name] for name in names},
         {
             name: (0.0, float("inf"))
             if name in lost
-            else (found[name] * np.exp(-1.96 * logs[name]), found[name] * np.exp(1.96 * logs[name]))
+            else (best[name] * np.exp(-1.96 * logs[name]), best[name] * np.exp(1.96 * logs[name]))
             for name in names
         },
         sentence,
@@ -315,52 +301,6 @@ def _fitted(
         seed,
         None if len(lost) == n else lambda: _predicted(match, film, x),
     )
-
-
-def _newton(match: Match, x: Array, told: Callable[..., None]) -> tuple[Array, Array, float, float]:
-    """Return the minimum near x, the Gauss-Newton matrix there, χ² and the effective number of unknowns."""
-    misfit = jax.jit(match.misfit)
-    columns = jax.jit(lambda x, v: jax.vmap(lambda one: jax.jvp(match.misfit, (x,), (one,))[1])(v))
-
-    def cost(x: Array) -> tuple[Array, float]:
-        left = np.asarray(misfit(jnp.asarray(x)))
-        value = 0.5 * float(left @ left) + 0.5 * float((np.asarray(match.prior(jnp.asarray(x))) ** 2).sum())
-        return left, value if np.isfinite(value) else np.inf
-
-    unit = np.eye(x.size)
-    left, value = cost(x)
-    damping = 0.0
-    for _ in range(STEPS):
-        J = np.concatenate(
-            [
-                np.asarray(columns(jnp.asarray(x), jnp.asarray(_padded(unit[k : k + SHARE]))))[: x.size - k]
-                for k in range(0, x.size, SHARE)
-            ]
-        )
-        told()
-        JJ = J @ J.T
-        hessian = JJ + unit
-        slope = J @ left + np.asarray(match.prior(jnp.asarray(x)))
-        step = -np.linalg.solve(hessian + damping * np.diag(np.diag(JJ)), slope)
-        predicted = -float(slope @ step)
-        for _ in range(8):
-            trial, after = cost(x + step)
-            if after < value:
-                break
-            step = 0.4 * step
-        else:
-            break
-        moved = value - after
-        x, left, value = x + step, trial, after
-        if predicted < 1e-2 or moved < 1e-3:
-            break
-    effective = float(np.trace(np.linalg.solve(hessian, JJ)))
-    return x, hessian, float(left @ left), effective
-
-
-def _padded(rows: Array) -> Array:
-    """Return rows with zeros below, so that every batch has one shape and is compiled once."""
-    return np.concatenate([rows, np.zeros((SHARE - len(rows), rows.shape[1]))])
 
 
 def _directions(free: tuple[str, ...], covariance: Array) -> tuple[Direction, ...]:
@@ -382,11 +322,7 @@ def _predicted(match: Match, film: Film, x: Array) -> Any:
     import xarray
 
     with double():
-        values = match.values(jnp.asarray(x[: len(match.names)]))
-        unit = values.pop("U")
-        P0 = match.initial(jnp.asarray(x[len(match.names) :]).reshape(2, 2 * MODES + 1, 2 * MODES + 1))
-        P = traced.rollout(PLAIN, match.grid, P0, match.times, DT, **values)
-        u = jax.vmap(lambda p: traced.flow(PLAIN, match.grid, p, mu=values["mu"]))(P) * unit
+        P, u = match.fields(jnp.asarray(x), DT)
         there = [
             np.einsum(
                 "am,tcmn,bn->tcab", match.around, np.fft.fft2(np.asarray(f), norm="forward"), match.along

@@ -137,10 +137,10 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
         spread = np.sqrt(np.sum(np.where(shares != 0, shares**2 * deviations[:, None] ** 2, 0.0), axis=0))
     logs = dict(zip(asked, spread.tolist(), strict=True))
     lost = {name for name in free if logs.get(name, np.inf) > LOST}
-    sentence: str | None = _said(names, lost, fixed)
+    verdict = _said(names, lost, fixed)
     wrong = data.estimated and residual > 2.0 and _share(left, data) > 0.05
     if wrong:
-        sentence = (
+        verdict = (
             f"Steady stripes of the model do not fit this profile: they leave {residual:.3g} times "
             f"the noise; check "
             "the geometry, and whether the stripes run along the cell."
@@ -169,7 +169,7 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
             else (values[name] * np.exp(-1.96 * logs[name]), values[name] * np.exp(1.96 * logs[name]))
             for name in names
         },
-        sentence,
+        verdict,
         covariance,
         parts,
         float(deviations[-1] / deviations[0]),

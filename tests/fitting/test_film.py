@@ -1,0 +1,163 @@
+"""Fits of a film of u alone: the search on problems with a known answer, and small films of the model."""
+
+import numpy as np
+import pytest
+
+import cyclosis as cy
+from cyclosis.fitting import matching
+from cyclosis.fitting.search import Problem, search
+
+NAMES = ("alpha_p", "alpha_u", "epsilon", "d_s", "d_r", "kappa", "mu")
+TRUTH = {
+    "alpha_p": 1.3,
+    "alpha_u": 0.8,
+    "epsilon": 0.2,
+    "d_s": 0.08,
+    "d_r": 0.05,
+    "kappa": 0.3,
+    "mu": 0.1,
+}
+
+
+def toy(bend, noise=0.01, seed=0, waves=40):
+    """Return a `Problem` of two logarithms and `waves` coefficients, its data bent, and the true unknowns."""
+    rng = np.random.default_rng(seed)
+    squares = np.linspace(0.0, 16.0, waves)
+    truth = np.concatenate([[0.4, -0.3], rng.normal(size=waves) * 0.1 * np.exp(-squares / (2 * 2.0**2))])
+    matrix = rng.normal(size=(400, waves + 2)) * np.concatenate([[1.0, 1.0], np.full(waves, 3.0)])
+
+    def model(x):
+        flat = matrix @ x
+        return flat + bend * flat**3
+
+    def jacobian(x):
+        return ((1 + 3 * bend * (matrix @ x) ** 2)[:, None] * matrix).T / noise
+
+    data = model(truth) + noise * rng.normal(size=400)
+    problem = Problem(
+        lambda x: (model(x) - data) / noise,
+        jacobian,
+        np.zeros(2),
+        squares,
+        np.ones(waves),
+        np.full(400, np.abs(data).max() / noise),
+    )
+    return problem, truth, matrix / noise
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.3])
+def test_the_search_ends_at_the_most_probable_unknowns(bend):
+    problem, truth, _ = toy(bend)
+    steps = []
+    found = search(problem, np.zeros(truth.size), 0.3, 3.5, lambda: steps.append(1))
+    scale = problem.scale(found.size, found.width)
+    slope = problem.jacobian(found.x) @ problem.misfit(found.x) + found.x / scale**2
+    hessian = problem.jacobian(found.x) @ problem.jacobian(found.x).T + np.diag(scale**-2)
+    assert 0.5 * slope @ np.linalg.solve(hessian, slope) == pytest.approx(found.short, rel=1e-3, abs=1e-9)
+    assert found.short < 1e-3
+    assert found.covariance == pytest.approx(np.linalg.inv(hessian)[:2, :2], rel=1e-6)
+    away = found.x[:2] - truth[:2]
+    assert away @ np.linalg.solve(found.covariance, away) < 14  # 0.1 % of draws are beyond
+    assert found.chi2 / (400 - found.effective) == pytest.approx(1.0, abs=0.3)
+    assert len(steps) < 40
+
+
+def test_the_prior_of_the_initial_state_is_found_by_its_evidence():
+    ratios = []
+    for seed in range(10):
+        problem, truth, _ = toy(0.0, seed=seed)
+        found = search(problem, np.zeros(truth.size), 0.5, 4.0, lambda: None)
+        true = np.sqrt(np.sum((0.1 * np.exp(-problem.squares / 8)) ** 2))
+        ratios.append([found.size / true, found.width / 2.0])
+    assert np.exp(np.mean(np.log(ratios), axis=0)) == pytest.approx([1.0, 1.0], abs=0.15)
+
+
+@pytest.fixture(scope="module")
+def film():
+    """A film of the flow of a small cell that the model's small grid resolves."""
+    grid = cy.CylinderGrid(16, 16, 5.0)
+    start = cy.interpolate(cy.initial.disordered(cy.CylinderGrid(8, 8, 5.0), 30.0, 5), grid.shape)
+    run = cy.simulate(
+        cy.Parameters(**TRUTH), grid, start, t_end=5.0, save_at=np.arange(1.5, 5.1, 0.25), rtol=1e-8
+    )
+    return run.to_dataset()[["u"]]
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """A small model: 16 points either way and waves up to 4."""
+    monkeypatch.setattr(matching, "POINTS", 16)
+    monkeypatch.setattr(matching, "FINEST", 4.0)
+
+
+def noisy(film, noise, seed=0):
+    """Return the film of a window, with its attributes."""
+    data, rng = film.isel(theta=slice(2, 14)), np.random.default_rng(seed)
+    return data.assign(u=data["u"] + noise * rng.normal(size=data["u"].shape))
+
+
+@pytest.mark.slow
+def test_an_exact_film_gives_the_parameters(film, small, monkeypatch):
+    monkeypatch.setattr(matching, "FINEST", 6.0)
+    fit = cy.fit(film.isel(theta=slice(2, 14)), method="film")
+    assert fit.refused is None
+    for name, truth in TRUTH.items():
+        assert fit.estimate[name] == pytest.approx(truth, rel=0.002), name
+
+
+@pytest.mark.slow
+def test_some_parameters_of_a_small_film(film, small):
+    """The others are given, so that it is quick."""
+    data = noisy(film, 0.01)
+    known = {name: TRUTH[name] for name in ("epsilon", "d_r", "kappa", "mu", "alpha_u")}
+    told = []
+    fit = cy.fit(data, fix=known, method="film", progress=lambda done, total: told.append((done, total)))
+    assert fit.refused is None
+    for name in ("alpha_p", "d_s"):
+        low, high = fit.interval[name]
+        assert low < TRUTH[name] < high
+        assert fit.estimate[name] == pytest.approx(TRUTH[name], rel=0.1)
+    assert 0.8 < fit.residual < 1.1
+    assert told[-1][0] == told[-1][1]
+    assert fit.predict()["u"].shape == data["u"].shape
+
+
+@pytest.mark.slow
+def test_intervals_of_a_noisy_film_contain_the_truth(film, small):
+    hits = []
+    for seed in range(4):
+        fit = cy.fit(noisy(film, 0.01, seed), method="film")
+        hits += [fit.interval[name][0] < TRUTH[name] < fit.interval[name][1] for name in NAMES]
+    assert np.mean(hits) > 0.8
+
+
+@pytest.mark.slow
+def test_a_film_of_another_model_is_refused(film, small):
+    """The same flow, with the frames in reverse order in time."""
+    data = noisy(film, 0.002)
+    fit = cy.fit(data.assign(u=data["u"].copy(data=data["u"].values[::-1])), method="film")
+    assert "chi²/N" in fit.refused
+    assert all(np.isnan(value) for value in fit.estimate.values())
+    assert fit.interval["mu"] == (0.0, np.inf)
+
+
+@pytest.mark.slow
+def test_a_start_that_is_wrong_by_half(monkeypatch):
+    """The paper's cell, 13 frames, ±70°, 2 % noise: ε and d_r are told by it to 12 and 7 % only."""
+    truth = {name: getattr(cy.Parameters(), name) for name in NAMES}
+    signs = dict(zip(NAMES, (1, -1, 1, -1, 1, -1, 1), strict=True))
+    start = {name: truth[name] * 1.5 ** signs[name] for name in NAMES}
+    monkeypatch.setattr(matching, "START", {**start, "U": 1.0})
+    grid, times = cy.CylinderGrid(32, 32), np.arange(4.0, 10.1, 0.5)
+    begin = cy.initial.disordered(grid, seed=0)
+    run = cy.simulate(cy.Parameters(), grid, begin, t_end=10.0, save_at=times, rtol=1e-8)
+    data = run.to_dataset()[["u"]]
+    data = data.isel(theta=np.abs(data["theta"].values - np.pi) <= np.radians(70))
+    noise = 0.02 * np.random.default_rng(1000).normal(size=data["u"].shape)
+    fit = cy.fit(data.assign(u=data["u"] + noise), method="film")
+    assert fit.refused is None
+    assert fit.residual == pytest.approx(1.0, abs=0.03)
+    for name in ("alpha_p", "alpha_u", "d_s", "d_r", "kappa", "mu"):
+        assert fit.estimate[name] == pytest.approx(truth[name], rel=0.06), name
+    inside = [fit.interval[name][0] < truth[name] < fit.interval[name][1] for name in NAMES]
+    assert sum(inside) >= 6
