@@ -130,6 +130,11 @@ def _picture(path: Path, array: np.ndarray[Any, Any], asked: Asked, about: dict[
             image=array,
             notes=notes,
         )
+    return section(array)
+
+
+def section(array: np.ndarray[Any, Any]) -> Content:
+    """Return a cross-section of the velocity along the cell."""
     notes = ["the velocity is that along the cell; what is not finite was not measured"]
     return Content("slice", SLICE, [], "px", None, "down", None, image=array, notes=notes)
 
