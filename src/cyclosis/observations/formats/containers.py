@@ -11,8 +11,8 @@ import numpy as np
 
 from ..view import View
 from . import pivlab
-from .images import section
 from .content import SURFACE, VELOCITY, Array, Asked, Content, good_of, unreadable
+from .images import section
 
 _WHOLE = "save it again, it is damaged"
 

@@ -68,7 +68,7 @@ def tiff(path: Path, raw: bytes, asked: Asked) -> Content:
     array, about = image(path, raw)
     if array.ndim != 2:
         rule = f"one image (rows, columns); it has the shape {array.shape}"
-        raise unreadable(path, rule, "save one image, or measure the film first")
+        raise unreadable(path, rule, "save one image, or measure the film: cyclosis.observations.film(path)")
     return _picture(path, np.asarray(array, dtype=np.float64), asked, about)
 
 

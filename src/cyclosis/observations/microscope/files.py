@@ -42,6 +42,8 @@ WRITERS: dict[tuple[str, str], Callable[[Recording], Content]] = {
     ("film", "mp4"): images.film_mp4,
     ("film", "tiff"): images.film_tiff,
 }
+
+
 def write(recording: Recording, folder: Path, format: str, force: bool) -> list[Path]:
     """Write the files of a record into a folder; see `Recording.write`."""
     from ...figures import style
