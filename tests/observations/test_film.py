@@ -124,8 +124,10 @@ def test_the_light_is_made_even():
     texture = rng.normal(size=(80, 90)).astype(np.float32)
     lamp = np.linspace(60, 140, 90)
     even = moving.flattened(np.stack([lamp + 5 * texture, 0.6 * lamp + 3 * texture]).astype(np.float32))
-    assert np.corrcoef(even[0].ravel(), even[1].ravel())[0, 1] > 0.95
-    assert abs(even[:, :, 20:40].mean() - even[:, :, 50:70].mean()) < 0.05
+    assert np.corrcoef(even[0].ravel(), even[1].ravel())[0, 1] > 1 - 1e-6
+    # The square root bends this ramp: a Gaussian of 10 pixels leaves 0.03 of its contrast at the dark end.
+    assert abs(even[:, :, 20:40].mean() - even[:, :, 50:70].mean()) < 0.025
+    assert lamp[-1] > 2 * lamp[0]
 
 
 @pytest.mark.slow

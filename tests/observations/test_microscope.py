@@ -326,10 +326,13 @@ def test_a_closed_cell_is_seen_from_the_side():
     assert 0.3 < good.mean() < 0.8
     # With +z up, the near side moves to the right, by its distance from the plane of the rim.
     ahead = camera.out @ xyz[:, good]
-    deep = ahead > 0.7  # nearer to the rim, windows average over more of the curved surface
-    expected = ahead[deep] * camera.px_per_frame
-    np.testing.assert_allclose(seen.data["vx"].values[0][good][deep], expected, rtol=0.05)
-    np.testing.assert_allclose(seen.data["vy"].values[0][good], 0.0, atol=0.03)
+    # A window averages over the curved surface, with weights 1/cos φ: that lowers cos φ by the square of its
+    # width (4 pixels: 0.0024 instead of 0.0054 at 0.7), whatever k_max is.
+    for least, share in ((0.9, 0.002), (0.7, 0.006), (0.5, 0.025)):
+        deep = ahead > least
+        expected = ahead[deep] * camera.px_per_frame
+        np.testing.assert_allclose(seen.data["vx"].values[0][good][deep], expected, rtol=share)
+    np.testing.assert_allclose(seen.data["vy"].values[0][good], 0.0, atol=1e-12)
     assert observe(data, View(30.0), "film", frames=2).data.sizes["time"] == 2
     with pytest.raises(cy.InputError, match="vacuole of a closed cell"):
         observe(data, View(30.0), "mrv")
