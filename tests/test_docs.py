@@ -131,7 +131,16 @@ def timed(pages):
     ]
 
 
-LONG = ("scan.md", "gpu.md", "diagnostic.md", "kinetic.md", "closed.md", "protocols.md", "numerics.md")
+LONG = (
+    "scan.md",
+    "gpu.md",
+    "diagnostic.md",
+    "kinetic.md",
+    "closed.md",
+    "protocols.md",
+    "numerics.md",
+    "measured.md",
+)
 """Pages with code that takes long."""
 
 

@@ -44,6 +44,7 @@ def test_what_is_missing_is_asked_for():
     assert said("measure", RAW, *UNITS, *CELL, "--out", "cell.txt")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_measurement_becomes_a_file_and_pictures():
     code, out, err = said(
         "measure", RAW, *UNITS, *CELL, "--out", "cell.nc", "-o", "cell.png", "--depth-um", "120"
@@ -78,6 +79,7 @@ def test_a_measurement_becomes_a_file_and_pictures():
     assert "surface" in out
 
 
+@pytest.mark.slow
 def test_compare_a_file_with_a_run(tmp_path):
     assert said("measure", RAW, *UNITS, *CELL, "--out", "cell.nc")[0] == 0
     grid = cy.CylinderGrid(16, 16, LENGTH)

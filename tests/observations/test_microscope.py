@@ -269,6 +269,7 @@ def test_files_of_tracks(tmp_path):
     assert frames == sorted(frames)
 
 
+@pytest.mark.slow
 def test_files_of_pictures(tmp_path):
     from PIL import Image
 
@@ -367,6 +368,7 @@ def test_seeds_repeat_and_differ():
     assert not np.array_equal(one, other, equal_nan=True)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path):
     grid = cy.CylinderGrid(16, 16)
     run = cy.simulate(cy.Parameters(), grid, cy.initial.stripes(grid), t_end=2.0)

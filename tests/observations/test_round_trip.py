@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
+from cyclosis.fitting.film import film_of
+from cyclosis.fitting.fit import _method
 from cyclosis.observations import View, compare, observe, read
 from cyclosis.observations.microscope.conventions import in_the_files, reading
 from cyclosis.observations.microscope.files import WRITERS
@@ -152,10 +154,16 @@ def test_a_measured_film_can_be_fitted_in_its_own_units():
     seconds = data.assign_coords(time=("time", 5.0 * data["time"].values, {"units": "s"}))
     seconds["u"] = (seconds["u"] / 5.0).assign_attrs(units="s-1")
     scales = cy.Scales(500.0, 100.0)
-    from cyclosis.fitting.film import film_of
-
     one, other = film_of(data, None), film_of(seconds, scales)
     np.testing.assert_allclose(other.times, one.times)
     np.testing.assert_allclose(other.u, one.u)
     with pytest.raises(cy.InputError, match=r"scales=cyclosis\.Scales"):
         film_of(seconds, None)
+
+
+def test_noise_does_not_make_a_steady_film_move():
+    rng = np.random.default_rng(0)
+    for run, method in ((cell(np.arange(12.0), flow=even), "profile"), (cell(np.arange(12.0)), "film")):
+        for noise in (0.0, 0.02, 0.1):
+            u = run["u"] + noise * rng.normal(size=run["u"].shape)
+            assert _method(film_of(u.to_dataset(name="u"), None)) == method
