@@ -131,16 +131,7 @@ def timed(pages):
     ]
 
 
-LONG = (
-    "scan.md",
-    "gpu.md",
-    "diagnostic.md",
-    "kinetic.md",
-    "closed.md",
-    "protocols.md",
-    "numerics.md",
-    "measured.md",
-)
+LONG = ("scan.md", "gpu.md", "diagnostic.md", "kinetic.md", "closed.md", "protocols.md", "numerics.md")
 """Pages with code that takes long."""
 
 

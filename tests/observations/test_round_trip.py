@@ -81,6 +81,7 @@ def checked(kind, said, files, view, shot):
     assert fit.other_mirror > 5
     assert abs(fit.rotation) < 0.03
     assert fit.speed * time_s == pytest.approx(1.0, abs=0.02)
+    print(f"left {fit.rms:.3f} of the noise")
     # Interpolated vectors are less noisy than those measured; averages over a cell hold a gradient.
     assert 0.6 < fit.rms < 1.2
     if kind != "mrv":
