@@ -5,8 +5,11 @@ import pytest
 import xarray
 
 import cyclosis as cy
+from cyclosis.observations.films import reading
+from cyclosis.observations.microscope.files import WRITERS
 from measure.commandline import said
 from measured import LENGTH, SAMPLES, run_of
+from observed import RUN, velocity
 
 RAW = SAMPLES / "openpiv_transient_raw_pixels_y_down.txt"
 UNITS = ("--y", "down", "--speed", "px/s", "--pixel-um", "5", "--frame-s", "0.3")
@@ -41,6 +44,7 @@ def test_what_is_missing_is_asked_for():
     assert said("measure", RAW, *UNITS, *CELL, "--out", "cell.txt")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_measurement_becomes_a_file_and_pictures():
     code, out, err = said(
         "measure", RAW, *UNITS, *CELL, "--out", "cell.nc", "-o", "cell.png", "--depth-um", "120"
@@ -75,6 +79,7 @@ def test_a_measurement_becomes_a_file_and_pictures():
     assert "surface" in out
 
 
+@pytest.mark.slow
 def test_compare_a_file_with_a_run(tmp_path):
     assert said("measure", RAW, *UNITS, *CELL, "--out", "cell.nc")[0] == 0
     grid = cy.CylinderGrid(16, 16, LENGTH)
@@ -97,3 +102,78 @@ def test_units_of_a_run():
     assert found.speed == 1.0
     assert found.rms_of_peak < 0.035
     assert np.isfinite(found.rms)
+
+
+@pytest.fixture(scope="module")
+def shots(tmp_path_factory):
+    """A short film of a run, as video and as stack, with where the cell lies in it."""
+    folder = tmp_path_factory.mktemp("films")
+    view = cy.observations.View(60.0, 0.0)
+    options = {"frames": 3, "start": 1.0, "size_px": (150, 130)}
+    shot = cy.observations.observe(RUN, view, "film", pixel_um=500 / 60, **options)
+    for (kind, name), put in WRITERS.items():
+        if kind == "film" and name != "mp4":
+            for file, write in put(shot).items():
+                write(folder / file)
+    x, y = shot.camera.view.centre_px
+    cell = ("--radius-px", "60", "--axis", "0", "--centre", f"{x:g},{y:g}", "--not-mirrored")
+    return folder, cell, shot
+
+
+def test_a_film_is_measured(shots):
+    pytest.importorskip("skimage")
+    folder, cell, shot = shots
+    given = (
+        "--frame-s",
+        "0.3",
+        "--pixel-um",
+        f"{500 / 60:g}",
+        "--speed-um-per-s",
+        "100",
+        "--max-angle",
+        "60",
+    )
+    code, out, err = said("measure", folder / "film.avi", *given, *cell, "-o", "cell.nc", "-o", "cell.png")
+    assert (code, err) == (0, "")
+    assert "film" in out
+    assert "saved cell.png" in out
+    with xarray.open_dataset("cell.nc", engine="h5netcdf") as data:
+        assert data["u"].attrs["units"] == "1"
+        assert data.attrs["format"] == "film"
+        u, theta, z = data["u"].isel(time=0).values, data["theta"].values, data["z"].values
+    true = velocity(theta[:, None], z[None, :], 1.0 + 0.5 * shot.camera.step)
+    off = (u - true)[:, np.isfinite(u).all(axis=0)]
+    assert off.shape[1] > 100
+    assert np.sqrt((off**2).mean(axis=1)).max() < 0.06 * np.hypot(*true).max()
+
+
+def test_a_line_of_a_film_is_a_kymograph(shots):
+    folder, _, shot = shots
+    code, out, err = said("measure", folder / "film.avi", "--frame-s", "0.3", "--line", "10,94,130,94")
+    assert (code, err) == (0, "")
+    assert "kymograph" in out
+    seen = cy.observations.film(folder / "film.avi", frame_s=0.3, line_px=[(10, 94), (130, 94)])
+    frames = shot.data["frames"].values.astype(float)
+    np.testing.assert_allclose(seen.image, frames[:, 92:97, 10:131].mean(axis=1), atol=6.0)  # compressed
+    code, _, err = said("measure", folder / "film.avi", "--frame-s", "0.3", "--line", "0,0,900,0")
+    assert code == 2
+    assert "in the picture" in err
+
+
+def test_films_and_files_have_their_own_options(shots):
+    folder = shots[0]
+    for file, option, word in (
+        (folder / "film.avi", ("--y", "down"), "--y"),
+        (RAW, ("--every", "2"), "--every"),
+        (folder / "film.avi", ("--format", "openpiv"), "it is a film"),
+    ):
+        code, _, err = said("measure", file, *option)
+        assert code == 2
+        assert word in err
+    with pytest.raises(cy.InputError, match=r"cyclosis\.observations\.film"):
+        cy.observations.read(folder / "film.avi")
+    pytest.importorskip("tifffile")
+    with pytest.raises(cy.InputError, match=r"cyclosis\.observations\.film"):
+        cy.observations.read(folder / "film.tif", "kymograph")
+    assert reading.is_film(folder / "film.tif")
+    assert not reading.is_film(SAMPLES / "kymograph_imagej.tif")

@@ -247,7 +247,8 @@ def test_files_of_vectors(tmp_path):
     np.testing.assert_allclose(flow.reshape(2, -1), [vy, vx], rtol=1e-6)  # down first
     truth = json.loads((tmp_path / "raw" / "view.json").read_text())
     assert View.from_dict(truth["view"]) == seen.camera.view
-    assert (truth["y"], truth["speed"], truth["times"]) == ("down", "px/frame", [0.0, 1.0, 2.0])
+    assert truth["times"] == [0.0, 1.0, 2.0]
+    assert (truth["read"]["y"], truth["read"]["speed"]) == ("down", "px/frame")
 
 
 def test_files_of_tracks(tmp_path):
@@ -268,6 +269,7 @@ def test_files_of_tracks(tmp_path):
     assert frames == sorted(frames)
 
 
+@pytest.mark.slow
 def test_files_of_pictures(tmp_path):
     from PIL import Image
 
@@ -325,10 +327,13 @@ def test_a_closed_cell_is_seen_from_the_side():
     assert 0.3 < good.mean() < 0.8
     # With +z up, the near side moves to the right, by its distance from the plane of the rim.
     ahead = camera.out @ xyz[:, good]
-    deep = ahead > 0.7  # nearer to the rim, windows average over more of the curved surface
-    expected = ahead[deep] * camera.px_per_frame
-    np.testing.assert_allclose(seen.data["vx"].values[0][good][deep], expected, rtol=0.05)
-    np.testing.assert_allclose(seen.data["vy"].values[0][good], 0.0, atol=0.03)
+    # A window averages over the curved surface, with weights 1/cos φ: that lowers cos φ by the square of its
+    # width (4 pixels: 0.0024 instead of 0.0054 at 0.7), whatever k_max is.
+    for least, share in ((0.9, 0.002), (0.7, 0.006), (0.5, 0.025)):
+        deep = ahead > least
+        expected = ahead[deep] * camera.px_per_frame
+        np.testing.assert_allclose(seen.data["vx"].values[0][good][deep], expected, rtol=share)
+    np.testing.assert_allclose(seen.data["vy"].values[0][good], 0.0, atol=1e-12)
     assert observe(data, View(30.0), "film", frames=2).data.sizes["time"] == 2
     with pytest.raises(cy.InputError, match="vacuole of a closed cell"):
         observe(data, View(30.0), "mrv")
@@ -363,6 +368,7 @@ def test_seeds_repeat_and_differ():
     assert not np.array_equal(one, other, equal_nan=True)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path):
     grid = cy.CylinderGrid(16, 16)
     run = cy.simulate(cy.Parameters(), grid, cy.initial.stripes(grid), t_end=2.0)

@@ -13,11 +13,12 @@ from ..model.errors import InputError
 from ..model.forks import ForkedError
 from ..version import __version__
 from . import runs, terminal
+from .compared import compare
 from .experiments import experiment
 from .explorer import explore
 from .figures import figures
 from .fitting import fit
-from .measured import compare, measure
+from .measured import measure
 from .observe import observe
 from .options import command, commands
 from .sweeps import sweeps
@@ -40,6 +41,7 @@ command(
     app,
     "measure field.txt --y down --speed px/s",
     "measure f.vec --radius-um 500 --axis 17 --centre 30,225 -o cell.nc",
+    "measure film.avi --frame-s 0.3 --radius-px 100 --axis 17 --centre 59,272 -o cell.nc",
 )(measure)
 command(app, "compare cell.nc run.nc --out compared.png")(compare)
 command(app, "explore")(explore)

@@ -1,23 +1,20 @@
-"""Commands that read measurements of cells, and compare them with runs."""
+"""The command that reads measurements of cells, films among them."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from ..model.errors import InputError, number
+from ..model.errors import number
 from . import targets
+from .measuring import column, numbers, on_surface, pair, reading, say, write
 from .options import FORCE, OUTPUT, QUIET
-from .sources import of_run
-
-if TYPE_CHECKING:
-    from ..observations import Observation
 
 SUFFIXES = (".nc", ".png", ".pdf")
-FILE, CELL, UNITS = "What the file holds", "Cell in the image", "Units"
+FILE, CELL, UNITS, FILM = "What the file holds", "Cell in the image", "Units", "Film"
 """Groups of options."""
 OUT = Annotated[
     list[Path] | None,
@@ -153,11 +150,14 @@ def measure(
         ),
     ] = None,
     step_px: Annotated[
-        float,
-        typer.Option(
-            "--step-px", metavar="PX", help="Pixels between samples of an array.", rich_help_panel=FILE
+        float | None,
+        _option(
+            "--step-px",
+            metavar="PX",
+            help="Pixels between samples: of an array, by default 1, or to take from a film, 8.",
+            group=FILE,
         ),
-    ] = 1.0,
+    ] = None,
     window_px: Annotated[
         float | None,
         _option(
@@ -177,8 +177,32 @@ def measure(
         str | None, _option("--angle", metavar="UNIT", help="Unit of angles: degrees or radians.", group=FILE)
     ] = None,
     line: Annotated[
-        str | None, _option("--line", metavar="X,Y,X,Y", help="Ends of the line of a kymograph.", group=FILE)
+        str | None,
+        _option(
+            "--line",
+            metavar="X,Y,X,Y",
+            help="Ends of the line of a kymograph, or of one to take from a film.",
+            group=FILE,
+        ),
     ] = None,
+    frames: Annotated[
+        str | None, _option("--frames", metavar="FIRST,LAST", help="Frames to use, from 0.", group=FILM)
+    ] = None,
+    every: Annotated[
+        int | None, _option("--every", metavar="N", help="Use one frame in so many.", group=FILM)
+    ] = None,
+    pairs: Annotated[
+        int | None,
+        _option("--pairs", metavar="N", help="Pairs of frames to measure; by default 60.", group=FILM),
+    ] = None,
+    light: Annotated[
+        str | None,
+        _option("--light", metavar="NAME", help="Colour to use: luma, red, green or blue.", group=FILM),
+    ] = None,
+    keep_drift: Annotated[
+        bool,
+        typer.Option("--keep-drift", help="Leave the drift of the stage in.", rich_help_panel=FILM),
+    ] = False,
     image: Annotated[
         Path | None,
         _option("--image", metavar="FILE", help="Image of the cell to draw the vectors on.", group=OUTPUT),
@@ -188,30 +212,33 @@ def measure(
     quiet: QUIET = False,
 ) -> None:
     """Read a measurement, show what it holds, and put it on the unrolled surface of the cell."""
-    from ..observations import read
-
     for target in out or []:
         targets.check(target, force, SUFFIXES)
-    ends = _numbers("line", line, 4)
-    seen = read(
-        files,
-        format,
-        y=y,
-        speed=speed,
-        length=length,
-        pixel_um=pixel_um,
-        frame_s=frame_s,
-        every_s=every_s,
-        columns=None if columns is None else dict(map(_column, columns.split(","))),
-        order=order,
-        origin_px=_pair("origin", origin),
-        step_px=step_px,
-        focus_um=_numbers("focus_um", focus_um),
-        noise_px=noise_px,
-        angle=angle,
-        line_px=None if ends is None else [ends[:2], ends[2:]],
-        window_px=window_px,
-    )
+    ends = numbers("line", line, 4)
+    line_px = None if ends is None else [ends[:2], ends[2:]]
+    span = pair("frames", frames)
+    said: dict[str, Any] = {
+        "y": y,
+        "speed": speed,
+        "length": length,
+        "every_s": every_s,
+        "columns": None if columns is None else dict(map(column, columns.split(","))),
+        "order": order,
+        "origin_px": pair("origin", origin),
+        "focus_um": numbers("focus_um", focus_um),
+        "noise_px": noise_px,
+        "angle": angle,
+        "window_px": window_px,
+    }
+    of_film: dict[str, Any] = {
+        "frames": None if span is None else tuple(int(n) if n == int(n) else n for n in span),
+        "every": every,
+        "pairs": pairs,
+        "light": light,
+        "keep_drift": keep_drift or None,
+    }
+    both = {"pixel_um": pixel_um, "frame_s": frame_s, "line_px": line_px, "step_px": step_px}
+    seen = reading(files, format, both, said, of_film)
     given = (radius_um, radius_px, axis, centre, *(out or []))
     if all(value is None for value in given):
         print(seen)
@@ -221,141 +248,11 @@ def measure(
         place: dict[str, Any] = {"radius_px": radius_px, "radius_um": radius_um, "axis_deg": axis}
         degrees = 180.0 if facing is None else number("facing", facing, -1e6, 1e6, "give degrees")
         seen = seen.view(
-            **place, centre_px=_pair("centre", centre), facing=math.radians(degrees), mirrored=mirrored
+            **place, centre_px=pair("centre", centre), facing=math.radians(degrees), mirrored=mirrored
         )
-    data = _on_surface(seen, speed_um_per_s, max_angle, outside, depth_um)
+    data = on_surface(seen, speed_um_per_s, max_angle, outside, depth_um)
     if not quiet:
-        _say(seen, data)
+        say(seen, data)
     for target in out or []:
-        _write(target, seen, data, image, depth_um)
+        write(target, seen, data, image, depth_um)
         print(f"saved {target}")
-
-
-def _on_surface(
-    seen: Observation, speed: float | None, max_angle: float | None, outside: str, depth_um: float | None
-) -> Any:
-    """Return the measurement on the surface. Its warnings are printed, not raised."""
-    import warnings
-
-    from ..model.scales import Scales
-
-    scales = None
-    if speed is not None:
-        if seen.pixel_um is None or seen.camera is None:
-            rule = "given with the size of a pixel"
-            raise InputError("speed_um_per_s", speed, rule, "give pixel_um", "give --pixel-um UM")
-        scales = Scales(seen.camera.radius_px * seen.pixel_um, speed)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)
-        return seen.on_surface(
-            scales=scales,
-            max_angle_deg=80.0 if max_angle is None else max_angle,
-            outside=outside,
-            depth_um=depth_um,
-        )
-
-
-def _say(seen: Observation, data: Any) -> None:
-    import numpy as np
-
-    print(seen)
-    name = "u" if "u" in data else "angle"
-    share = float(data["good"].mean())
-    sizes = data.sizes
-    low, high = (np.degrees(float(data["theta"][k])) for k in (0, -1))
-    print(
-        f"On the surface: {sizes['theta']} x {sizes['z']} points, θ from {low:.0f} to {high:.0f} degrees, "
-        f"z from {float(data['z'][0]):.2f} to {float(data['z'][-1]):.2f} R, {share:.0%} of them with values."
-    )
-    if name == "u":
-        largest = np.sqrt((data["u"].fillna(0.0) ** 2).sum("component")).max().item()
-        unit = {"1": "U", "s-1": "R/s"}.get(data["u"].attrs["units"], "R/frame")
-        print(f"Largest speed {largest:.4g} {unit}.")
-    if data.attrs.get("warnings"):
-        print(f"Warning: {data.attrs['warnings']}.")
-
-
-def _write(target: Path, seen: Observation, data: Any, image: Path | None, depth_um: float | None) -> None:
-    if target.suffix.lower() == ".nc":
-        from ..dataset.tables import write_table
-
-        write_table(data, target)
-        return
-    from ..figures import measured, style
-    from ..observations.picture import picture
-
-    style.save(measured.measurement(seen, data, None if image is None else picture(image), depth_um), target)
-
-
-def compare(
-    file: Annotated[
-        Path, typer.Argument(metavar="CELL", help="File of `cyclosis measure`, .nc.", show_default=False)
-    ],
-    run: Annotated[
-        Path, typer.Argument(metavar="RUN", help="NetCDF file of a run.", show_default=False, callback=of_run)
-    ],
-    time: Annotated[
-        float | None,
-        typer.Option(
-            "--time", metavar="T", help="Time of the run, R/U; by default all saved ones are tried."
-        ),
-    ] = None,
-    speed: Annotated[
-        float | None,
-        typer.Option("--speed", metavar="U", help="U in the unit of the measured speeds; by default fitted."),
-    ] = None,
-    mirrored: Annotated[
-        bool | None,
-        typer.Option(
-            "--mirrored/--not-mirrored",
-            help="Take one of the mirror images; by default both.",
-            show_default=False,
-        ),
-    ] = None,
-    out: OUT = None,
-    force: FORCE = False,
-    quiet: QUIET = False,
-) -> None:
-    """Find the shift, rotation, mirror image and time of a run that fit a measured flow best."""
-    from ..observations import compare as comparison
-
-    for target in out or []:
-        targets.check(target, force, SUFFIXES)
-    found = comparison(file, run, time=time, speed=speed, mirrored=mirrored)
-    if not quiet:
-        print(found)
-    for target in out or []:
-        if target.suffix.lower() == ".nc":
-            from ..dataset.tables import write_table
-
-            write_table(found.dataset, target)
-        else:
-            from ..figures import style
-
-            style.save(found.figure(), target)
-        print(f"saved {target}")
-
-
-def _numbers(name: str, text: str | None, count: int | None = None) -> list[float] | None:
-    if text is None:
-        return None
-    try:
-        found = [float(part) for part in text.split(",")]
-    except ValueError:
-        found = []
-    if not found or (count is not None and len(found) != count):
-        rule = "numbers" if count is None else f"{count} numbers"
-        raise InputError(name, text, f"{rule} with commas between them", "write them without spaces")
-    return found
-
-
-def _pair(name: str, text: str | None) -> tuple[float, float] | None:
-    found = _numbers(name, text, 2)
-    return None if found is None else (found[0], found[1])
-
-
-def _column(text: str) -> tuple[str, Any]:
-    name, _, at = text.partition("=")
-    if not at:
-        raise InputError("columns", text, "names with numbers", "write x=0,y=1,u=2,v=3")
-    return name.strip(), int(at) if at.strip().isdigit() else at.strip()

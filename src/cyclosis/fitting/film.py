@@ -184,14 +184,18 @@ _FACTORS = {
     "u": {"um/s": 1.0, "µm/s": 1.0, "μm/s": 1.0, "um s-1": 1.0, "mm/s": 1e3, "m/s": 1e6, "m s-1": 1e6},
     "theta": {"deg": np.pi / 180, "degree": np.pi / 180, "degrees": np.pi / 180},
 }
+PER_SECOND = ("s-1", "1/s", "R/s")
+"""Radii per second, as `cyclosis measure` writes speeds."""
 _SCALE = {"time": "time_s", "z": "radius_um", "u": "speed_um_per_s"}
 
 
 def _divided(name: str, values: Array, unit: str, scales: Scales | None) -> Array:
     """Return values of a unit in units of the model."""
-    factor = _FACTORS[name].get(unit)
+    if name == "u" and unit in PER_SECOND and scales is not None:
+        return values * scales.time_s
+    factor = 1.0 if name == "u" and unit in PER_SECOND else _FACTORS[name].get(unit)
     if factor is None:
-        known = ", ".join(["1", *_FACTORS[name]])
+        known = ", ".join(["1", *_FACTORS[name], *(PER_SECOND if name == "u" else ())])
         raise InputError(f"units of {name}", unit, f"one of {known}", "convert it")
     if name == "theta":
         return values * factor

@@ -10,7 +10,7 @@ import numpy as np
 from ..model.doors import door
 from ..model.errors import InputError, choice, closest, number, whole
 from ..model.scales import Scales
-from .film import Film, film_of
+from .film import Film, film_of, noise_of
 from .geometry import tilts, visible
 from .judged import by_equation, refusal
 from .result import ORDER, Fit
@@ -26,8 +26,8 @@ LARGEST = {
     "kappa": 1e6,
 }
 """Largest values that may be fixed."""
-CHANGE = 1e-9
-"""A film whose frames differ by no more is a profile."""
+CHANGE = 0.02
+"""A film of u that varies by less than this share of its peak, beyond its noise, is a profile."""
 
 
 @door
@@ -116,8 +116,19 @@ def _method(film: Film) -> str:
         return "profile"
     if film.P is not None:
         return "equation"
+    return "film" if _changes(film) else "profile"
+
+
+def _changes(film: Film) -> bool:
+    """Return whether u varies in time by more than its noise, by a share `CHANGE` of its peak.
+
+    A film without enough frames to tell its noise is taken to change.
+    """
     assert film.u is not None
-    return "film" if np.ptp(film.u, axis=0).max() > CHANGE else "profile"
+    variance = film.u.var(axis=0, ddof=1)[:, film.seen].mean()
+    noise = noise_of(film.u, film.seen)[:, film.seen].mean()
+    peak = float(np.quantile(np.hypot(film.u[:, 0], film.u[:, 1])[:, film.seen], 0.999))
+    return bool(np.sqrt(max(variance - noise, 0.0)) > CHANGE * peak)
 
 
 def _fixed(fix: Mapping[str, float] | None) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,7 +13,9 @@ import numpy.typing as npt
 from ..model.doors import door
 from ..model.errors import InputError, flag, number, whole
 from .films import moving, reading, steady
+from .films.line import line_of
 from .films.reading import Film
+from .formats.content import KYMOGRAPH
 from .observation import Frame, Observation, gridded
 
 Array = npt.NDArray[np.float64]
@@ -39,6 +42,7 @@ def film(
     step_px: int = 8,
     steady_stage: bool = True,
     light: str = "luma",
+    line_px: Sequence[Sequence[float]] | None = None,
 ) -> Observation:
     """Return the velocities in a film, an `Observation` on a grid of its pictures.
 
@@ -53,10 +57,11 @@ def film(
     rate of playing. A TIFF stack without it gives velocities per frame. `frames` is a span (first, last) and
     `every` takes one frame in so many. At most `pairs` (60) pairs of successive frames are measured, spread
     evenly over the film. `step_px` is the distance of samples. `light` is the colour that is used: luma, red,
-    green or blue. `noise_px` of the result is the noise of one displacement, from three successive pairs.
-    Needs scikit-image (`pip install 'cyclosis[film]'`), and tifffile for TIFF (`cyclosis[data]`). Raises
-    `InputError` in one sentence for films that cannot be read, that have fewer than two frames, or in which
-    nothing moves.
+    green or blue. With `line_px`, the ends ((x, y), (x, y)) of a line, the result is a kymograph along it,
+    whose speeds `on_surface` measures; nothing is taken out of that. `noise_px` of the result is the noise of
+    one displacement, from three successive pairs. Needs scikit-image (`pip install 'cyclosis[film]'`), and
+    tifffile for TIFF (`cyclosis[data]`). Raises `InputError` in one sentence for films that cannot be read,
+    that have fewer than two frames, or in which nothing moves.
 
     Example:
         >>> import cyclosis as cy
@@ -74,12 +79,15 @@ def film(
     most = whole("pairs", PAIRS if pairs is None else pairs, 1, 1_000_000, "give a number of pairs")
     apart = whole("step_px", step_px, 1, 512, "give the distance of samples in pixels")
     flag("steady_stage", steady_stage)
-    moving.registration()
+    if line_px is None:
+        moving.registration()
     shot = reading.read(Path(path), (start, stop), step, light)
     times, unit, notes = _times(shot, frame_s, step)
     size = shot.pixel_um
     if pixel_um is not None:
         size = number("pixel_um", pixel_um, 1e-6, 1e6, "give the size of a pixel in micrometres")
+    if line_px is not None:
+        return _kymograph(shot, times, unit, size, line_px, str(path), notes)
     kept = _distinct(shot.pictures)
     if kept.size < len(shot.pictures):
         notes.append(f"{len(shot.pictures) - kept.size} frames are copies of those before, and were left out")
@@ -128,6 +136,30 @@ def film(
         source=str(path),
         notes=(*shot.notes, *notes),
         image=_full(picture, shot.binned),
+    )
+
+
+def _kymograph(
+    shot: Film,
+    times: Array,
+    unit: str,
+    pixel_um: float | None,
+    line_px: Sequence[Sequence[float]],
+    source: str,
+    notes: list[str],
+) -> Observation:
+    image, ends = line_of(shot, times, line_px)
+    return Observation(
+        (),
+        KYMOGRAPH,
+        unit,
+        pixel_um,
+        float(np.median(np.diff(times))) if unit == "s" else None,
+        format="film",
+        source=source,
+        notes=(*shot.notes, *notes),
+        image=image,
+        extra={"line_px": ends},
     )
 
 

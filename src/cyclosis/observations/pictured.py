@@ -57,7 +57,7 @@ def _line(obs: Observation, view: View) -> tuple[Frame, int]:
 
 
 def at_rim(obs: Observation, view: View, theta: Array) -> tuple[Array, float]:
-    """Return the velocity along the cell at its rim, from a cross-section, and the noise of a pixel.
+    """Return the velocity along the cell at its rim, from a cross-section, and its noise there.
 
     Both are in pixels per unit of time. The flow along the cell in the vacuole is harmonic, w = sum over m
     of r^|m| (a cos mφ + b sin mφ), so that all pixels inside tell its values at the rim. The centre of the
@@ -77,8 +77,11 @@ def at_rim(obs: Observation, view: View, theta: Array) -> tuple[Array, float]:
     matrix = _harmonics(r[used], phi[used])
     found, *_ = np.linalg.lstsq(matrix, image[used], rcond=None)
     left = image[used] - matrix @ found
-    w: Array = _harmonics(np.ones_like(theta), theta - view.facing) @ found
-    return w, float(left.std())
+    rim = _harmonics(np.ones_like(theta), theta - view.facing)
+    w: Array = rim @ found
+    # What the scatter of the pixels leaves of uncertainty at the rim.
+    spread = rim @ np.linalg.pinv(matrix.T @ matrix)
+    return w, float(left.std() * np.sqrt((spread * rim).sum(axis=1).mean()))
 
 
 def _harmonics(r: Array, phi: Array) -> Array:

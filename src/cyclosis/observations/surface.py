@@ -167,8 +167,10 @@ def _spacing(frames: list[Frame], view: View, phi: Array, z: Array) -> float:
     """Return the spacing of the surface's grid, in radii."""
     if frames[0].grid is not None:
         rows, columns = frames[0].grid
-        xs, ys = frames[0].x.reshape(rows, columns)[0], frames[0].y.reshape(rows, columns)[:, 0]
-        steps = [np.median(np.diff(axis)) for axis in (xs, ys) if axis.size > 1]
+        x, y = frames[0].x.reshape(rows, columns), frames[0].y.reshape(rows, columns)
+        # A kymograph is one row or column, along a line in any direction.
+        ways = (np.hypot(np.diff(x, axis=k), np.diff(y, axis=k)) for k in (0, 1))
+        steps = [float(np.median(way)) for way in ways if way.size]
         return float(np.mean(steps)) / view.radius_px if steps else 0.1
     area = max(float(np.ptp(phi)) * float(np.ptp(z)), 1e-9)
     return math.sqrt(PER_CELL * area / max(phi.size / len(frames), 1.0))
@@ -329,6 +331,7 @@ def _attributes(
         "conventions_applied": "; ".join(obs.notes),
         "view": json.dumps(view.to_dict()),
         "radius_px": view.radius_px,
+        "facing": view.facing,
         "time_unit": "R/U" if scales is not None else obs.time_unit,
     }
     known = {"pixel_um": obs.pixel_um, "frame_s": obs.frame_s, "radius_um": radius_um, "time_unit_s": unit_s}

@@ -53,13 +53,14 @@ def registration() -> Any:
 def flattened(pictures: Fields) -> Fields:
     """Return frames (n, rows, columns) without slow variations of light, in units of their contrast.
 
-    The square root makes the noise of photons even. Each frame gets the same contrast, whatever the lamp.
+    The square root makes the noise of photons even. Each frame gets the same contrast, whatever the lamp: its
+    own darkest pixels are the zero of its light, so that a frame and the same one in less light become equal.
     """
     from scipy.ndimage import gaussian_filter
 
     out = np.empty_like(pictures)
-    dark = float(np.percentile(pictures[:: max(1, len(pictures) // 16)], 0.5))
     for k, picture in enumerate(pictures):
+        dark = float(np.percentile(picture, 0.5))
         root = np.sqrt(np.maximum(picture - dark, 0.0))
         out[k] = root - gaussian_filter(root, SMOOTH)
     spread = np.array([_spread(each) for each in out])

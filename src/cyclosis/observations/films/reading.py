@@ -16,6 +16,9 @@ Array = npt.NDArray[np.float64]
 Pictures = npt.NDArray[np.float32]
 
 TIFF = (".tif", ".tiff", ".btf", ".tf8")
+STARTS = ((0, b"RIFF"), (4, b"ftyp"), (0, b"\x1a\x45\xdf\xa3"), (0, b"GIF8"), (0, b"\0\0\x01\xba"))
+"""Where the first bytes of usual videos are, and what they are: AVI, MP4 and MOV, Matroska, GIF, MPEG."""
+VIDEOS = (".avi", ".mp4", ".m4v", ".mov", ".mkv", ".webm", ".gif", ".mpg", ".mpeg", ".wmv")
 LIGHTS = ("luma", "red", "green", "blue")
 MOST_BYTES = 3 * 2**30
 """Memory that the pictures of a film may take."""
@@ -26,6 +29,35 @@ LARGEST = 1_000_000
 LUMA = np.array([0.299, 0.587, 0.114])
 STEADY = 0.02
 """Relative differences of the times between frames below which they count as equal."""
+
+
+def is_video(raw: bytes) -> bool:
+    """Return whether the first bytes of a file are those of a video."""
+    return any(raw[at : at + len(start)] == start for at, start in STARTS)
+
+
+def is_film(path: Path) -> bool:
+    """Return whether a file is a video or a TIFF stack: by what is in it, or by its name if it is damaged."""
+    try:
+        with open(path, "rb") as file:
+            start = file.read(16)
+    except (OSError, ValueError):
+        return False
+    if start[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+        return _several(path)
+    return is_video(start) or path.suffix.lower() in VIDEOS
+
+
+def _several(path: Path) -> bool:
+    """Return whether a TIFF file has more than one picture; not if that cannot be told."""
+    try:
+        import tifffile
+
+        with tifffile.TiffFile(path) as file:
+            page, series = file.pages[0], file.series[0]
+            return bool(np.prod(series.shape) > np.prod(page.shape))
+    except Exception:  # the reader of pictures says what is wrong
+        return False
 
 
 @dataclass

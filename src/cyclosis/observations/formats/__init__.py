@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...model.errors import InputError
+from ..films.reading import is_video
 from .content import Asked, Content, unreadable
 
 FORMATS = {
@@ -37,6 +38,10 @@ def content_of(path: str | os.PathLike[str], asked: Asked) -> Content:
     """Return what a file holds. Raises `InputError` for files that cannot be read or are not recognised."""
     place = Path(path)
     raw = _bytes(place)
+    if is_video(raw):
+        rule = "a file of vectors, tracks, angles or a picture; it is a film"
+        remedy = "measure it: cyclosis.observations.film(path)"
+        raise InputError("file", str(place), rule, remedy, "use `cyclosis measure` without --format")
     wanted = asked.format
     if asked.columns is not None and wanted not in (None, "table"):
         raise InputError("format", wanted, '"table" with columns=', "leave one of the two out")

@@ -12,6 +12,7 @@ import numpy as np
 from ..view import View
 from . import pivlab
 from .content import SURFACE, VELOCITY, Array, Asked, Content, good_of, unreadable
+from .images import section
 
 _WHOLE = "save it again, it is damaged"
 
@@ -25,7 +26,7 @@ def matlab(path: Path, raw: bytes, asked: Asked) -> Content:
         variables = {name: _cells(value) for name, value in found.items() if not name.startswith("__")}
     except Exception as error:
         raise unreadable(path, f"a .mat file that is whole ({type(error).__name__})", _WHOLE) from error
-    return _variables(path, variables)
+    return _variables(path, variables, asked)
 
 
 def _cells(value: Any) -> Any:
@@ -47,7 +48,7 @@ def hdf5(path: Path, raw: bytes, asked: Asked) -> Content:
     except Exception as error:
         raise unreadable(path, f"an HDF5 file that is whole ({type(error).__name__})", _WHOLE) from error
     if variables is not None:
-        return _variables(path, variables)
+        return _variables(path, variables, asked)
     if str(_text(about.get("program", ""))).startswith("cyclosis"):
         if "measurement" in about:
             return _surface(path, raw)
@@ -79,12 +80,28 @@ def _matrix(item: Any) -> Any:
     return np.asarray(item[()]).T
 
 
-def _variables(path: Path, variables: dict[str, Any]) -> Content:
+def _variables(path: Path, variables: dict[str, Any], asked: Asked) -> Content:
+    if asked.format == "slice":
+        return _section(path, variables)
     if pivlab.in_mat(variables):
         return pivlab.read_mat(path, variables)
     names = ", ".join(sorted(variables))[:80] or "nothing"
     rule = f"one with PIVlab's x, y, u_original and v_original; it has {names}"
     raise unreadable(path, rule, "save PIVlab's results, or write the vectors as a text with four columns")
+
+
+def _section(path: Path, variables: dict[str, Any]) -> Content:
+    """Return the one matrix of a file that can be a cross-section."""
+    matrices = {
+        name: np.squeeze(value[0])
+        for name, value in variables.items()
+        if isinstance(value, list) and len(value) == 1 and value[0].size > 1 and value[0].dtype.kind in "fiu"
+    }
+    if len(matrices) != 1 or next(iter(matrices.values())).ndim != 2:
+        shapes = ", ".join(f"{name} {matrix.shape}" for name, matrix in matrices.items()) or "none"
+        rule = f"one with a single matrix (rows, columns) of velocities; it has {shapes[:80]}"
+        raise unreadable(path, rule, "save one section to a file")
+    return section(next(iter(matrices.values())).astype(np.float64))
 
 
 def netcdf3(path: Path, raw: bytes, asked: Asked) -> Content:

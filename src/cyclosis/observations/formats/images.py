@@ -68,7 +68,7 @@ def tiff(path: Path, raw: bytes, asked: Asked) -> Content:
     array, about = image(path, raw)
     if array.ndim != 2:
         rule = f"one image (rows, columns); it has the shape {array.shape}"
-        raise unreadable(path, rule, "save one image, or measure the film first")
+        raise unreadable(path, rule, "save one image, or measure the film: cyclosis.observations.film(path)")
     return _picture(path, np.asarray(array, dtype=np.float64), asked, about)
 
 
@@ -130,6 +130,11 @@ def _picture(path: Path, array: np.ndarray[Any, Any], asked: Asked, about: dict[
             image=array,
             notes=notes,
         )
+    return section(array)
+
+
+def section(array: np.ndarray[Any, Any]) -> Content:
+    """Return a cross-section of the velocity along the cell."""
     notes = ["the velocity is that along the cell; what is not finite was not measured"]
     return Content("slice", SLICE, [], "px", None, "down", None, image=array, notes=notes)
 

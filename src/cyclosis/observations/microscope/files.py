@@ -12,6 +12,7 @@ from ...dataset import check_writable
 from ...dataset.whole import whole
 from ...model.errors import InputError
 from . import images, tables
+from .conventions import reading
 
 if TYPE_CHECKING:
     from .observe import Recording
@@ -41,17 +42,6 @@ WRITERS: dict[tuple[str, str], Callable[[Recording], Content]] = {
     ("film", "mp4"): images.film_mp4,
     ("film", "tiff"): images.film_tiff,
 }
-CONVENTIONS = {
-    "openpiv": {"y": "down", "speed": "px/frame", "length": "px"},
-    "openpiv-um": {"y": "up", "speed": "um/s", "length": "um"},
-    "pivlab": {"y": "down", "speed": "px/frame", "length": "px"},
-    "pivlab-m": {"y": "down", "speed": "m/s", "length": "m"},
-    "pivlab-mat": {"y": "down", "speed": "px/frame", "length": "px"},
-    "trackmate": {"y": "down", "length": "um"},
-    "trackmate-xml": {"y": "down", "length": "um"},
-    "trackpy": {"y": "down", "length": "px"},
-}
-"""What the files of a format do not say themselves."""
 
 
 def write(recording: Recording, folder: Path, format: str, force: bool) -> list[Path]:
@@ -60,7 +50,8 @@ def write(recording: Recording, folder: Path, format: str, force: bool) -> list[
 
     content = WRITERS[recording.kind, format](recording)
     names = list(content)
-    truth = recording.truth() | {"format": format, "files": names} | CONVENTIONS.get(format, {})
+    files = [name for name in names if not name.startswith("filaments")]
+    truth = recording.truth() | {"format": format, "files": files, "read": reading(recording, format)}
     picture = f"{recording.kind}.png"
     content |= {"view.json": lambda path: _text(path, json.dumps(truth, indent=1) + "\n")}
     prepare(folder, [*content, picture], force)

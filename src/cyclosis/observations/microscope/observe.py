@@ -16,6 +16,7 @@ from ...model.errors import InputError, choice, closest
 from ..view import View
 from .body import body_of
 from .camera import Camera, framing
+from .conventions import in_the_files
 from .filming import film, kymograph, tracks
 from .mrv import mrv
 from .orientation import orientation
@@ -79,11 +80,16 @@ class Recording:
         return picture(self)
 
     def truth(self) -> dict[str, Any]:
-        """Return the view, the settings and the times, as they are kept in view.json."""
+        """Return the view, the settings and the times, as they are kept in view.json.
+
+        `view` has the arguments of `Observation.view`: where the cell lies in the files. In a cross-section
+        that is its circle. In view.json, `files` has the names of the files and `read` the arguments of
+        `cyclosis.observations.read`, or of `film`, for them.
+        """
         camera = self.camera
         return {
             "kind": self.kind,
-            "view": camera.view.to_dict(),
+            "view": in_the_files(self).to_dict(),
             "size_px": list(camera.size_px),
             "pixel_um": camera.pixel_um,
             "frame_s": camera.frame_s,

@@ -1,0 +1,62 @@
+"""The command that compares a measured cell with a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import targets
+from .measured import OUT, SUFFIXES
+from .options import FORCE, QUIET
+from .sources import of_run
+
+
+def compare(
+    file: Annotated[
+        Path, typer.Argument(metavar="CELL", help="File of `cyclosis measure`, .nc.", show_default=False)
+    ],
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="NetCDF file of a run.", show_default=False, callback=of_run)
+    ],
+    time: Annotated[
+        float | None,
+        typer.Option(
+            "--time", metavar="T", help="Time of the run, R/U; by default all saved ones are tried."
+        ),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option("--speed", metavar="U", help="U in the unit of the measured speeds; by default fitted."),
+    ] = None,
+    mirrored: Annotated[
+        bool | None,
+        typer.Option(
+            "--mirrored/--not-mirrored",
+            help="Take one of the mirror images; by default both.",
+            show_default=False,
+        ),
+    ] = None,
+    out: OUT = None,
+    force: FORCE = False,
+    quiet: QUIET = False,
+) -> None:
+    """Find the shift, rotation, mirror image and time of a run that fit a measured flow best."""
+    from ..observations import compare as comparison
+
+    for target in out or []:
+        targets.check(target, force, SUFFIXES)
+    found = comparison(file, run, time=time, speed=speed, mirrored=mirrored)
+    if not quiet:
+        print(found)
+    for target in out or []:
+        if target.suffix.lower() == ".nc":
+            from ..dataset.tables import write_table
+
+            write_table(found.dataset, target)
+        else:
+            from ..figures import style
+
+            style.save(found.figure(), target)
+        print(f"saved {target}")
