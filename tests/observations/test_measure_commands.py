@@ -94,9 +94,7 @@ def test_compare_a_file_with_a_run(tmp_path):
 
 
 def test_units_of_a_run():
-    code, _, err = said(
-        "measure", RAW, *UNITS, *CELL, "--speed-um-per-s", "100", "--out", "cell.nc", "--quiet"
-    )
+    code, _, err = said("measure", RAW, *UNITS, *CELL, "--speed-um-s", "100", "--out", "cell.nc", "--quiet")
     assert (code, err) == (0, "")
     found = cy.observations.compare("cell.nc", run_of("u_transient"))
     assert found.speed == 1.0
@@ -128,7 +126,7 @@ def test_a_film_is_measured(shots):
         "0.3",
         "--pixel-um",
         f"{500 / 60:g}",
-        "--speed-um-per-s",
+        "--speed-um-s",
         "100",
         "--max-angle",
         "60",

@@ -46,7 +46,7 @@ def fit(
         float | None, typer.Option("--radius-um", metavar="NUMBER", help="Radius of the cell, in µm.")
     ] = None,
     speed_um_per_s: Annotated[
-        float | None, typer.Option("--speed-um-per-s", metavar="NUMBER", help="Unit of speed U, in µm/s.")
+        float | None, typer.Option("--speed-um-s", metavar="NUMBER", help="Unit of speed U, in µm/s.")
     ] = None,
     seed: Annotated[int, typer.Option(metavar="WHOLE", help="Seed of the noise that is added again.")] = 0,
     out: Annotated[

@@ -125,7 +125,7 @@ def measure(
     speed_um_per_s: Annotated[
         float | None,
         _option(
-            "--speed-um-per-s",
+            "--speed-um-s",
             metavar="U",
             help="The speed U: the numbers are then in R, U and R/U, as those of a run.",
             group=UNITS,
