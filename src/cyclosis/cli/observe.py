@@ -68,7 +68,15 @@ def observe(
     noise_px: Annotated[
         float, _set("PX", "Standard deviation of a measured displacement or place, in pixels.")
     ] = 0.1,
-    speed_um_per_s: Annotated[float, _set("UM", "The unit of speed U, in micrometres per second.")] = 100.0,
+    speed_um_per_s: Annotated[
+        float,
+        typer.Option(
+            "--speed-um-s",
+            metavar="UM",
+            help="The unit of speed U, in micrometres per second.",
+            rich_help_panel=CAMERA,
+        ),
+    ] = 100.0,
     seed: Annotated[int, _set("N", "Seed of particles and noise.")] = 0,
     times: Annotated[
         str | None,

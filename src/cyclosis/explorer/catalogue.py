@@ -12,7 +12,8 @@ from ..model.parameters import Parameters
 from .about import curves
 from .presets import PRESETS
 from .session import DRUGS
-from .setup import FINEST, INTERVAL, KINDS, MOST_FRAMES, MOST_PLACED
+from .setup import INTERVAL, KINDS, MOST_FRAMES, MOST_PLACED
+from .surfaces import FINEST
 
 
 @cache
