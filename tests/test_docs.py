@@ -157,6 +157,7 @@ SMALLER = {
 """What makes the cells of pages quick; as they are, `make docs` runs them."""
 
 
+@pytest.mark.filterwarnings("ignore:the mean line of the flow:UserWarning")  # which a page is about
 @pytest.mark.parametrize("page", timed(EXECUTED))
 def test_the_cells_of_the_pages_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
