@@ -42,7 +42,8 @@ def export_run(
 
     * csv: the tables of `run_table`; one of them, `table`, in a file .csv (by default the records), or all
       of them in a folder. Numbers have all their digits.
-    * xlsx: the same, each a sheet of one file for Excel, with 15 digits; needs openpyxl, `pip install "cyclosis[excel]"`.
+    * xlsx: the same, each a sheet of one file for Excel, with 15 digits; needs openpyxl,
+      `pip install "cyclosis[excel]"`.
     * netcdf: everything except what is needed to resume, compressed, in one file .nc.
     * npz: the same as NumPy arrays by name, with the `attributes` as JSON; see `numpy.load`.
     * zarr: the same as a Zarr store of format 2, a folder .zarr.
