@@ -49,7 +49,7 @@ def snapshot(
         >>> run = cy.simulate(params, grid, cy.initial.stripes(grid, magnitude=0.5), t_end=2.0)
         >>> figure = snapshot(run.to_dataset(), time=1.0, view="map", width=89.0)
         >>> figure.get_size_inches().round(1), len(figure.axes)
-        (array([3.5, 3.1]), 2)
+        (array([3.5, 2.6]), 2)
     """
     subject = subject_of(dataset)
     choice("view", view, VIEWS)

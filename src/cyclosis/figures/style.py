@@ -180,7 +180,17 @@ SUFFIXES = (".png", ".pdf", ".svg", ".eps")
 
 
 def signed(figure: Figure, *datasets: Any) -> Figure:
-    """Return a figure that `save` marks as one of runs or sweeps, by the SHA-256 of their configurations."""
+    """Return a figure that `save` marks as one of runs or sweeps, by the SHA-256 of their configurations.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import style
+        >>> from cyclosis.figures.snapshot import snapshot
+        >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+        >>> data = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0).to_dataset()
+        >>> style.signed(snapshot(data), data).get_label()[:20]
+        'configuration_sha256'
+    """
     figure.set_label(marks(*datasets))
     return figure
 
