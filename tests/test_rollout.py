@@ -50,6 +50,7 @@ def test_gradients_equal_central_differences_and_forward_mode():
         assert float(forward) == pytest.approx(float(by_values.sum() + (by_start * way).sum()), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_many_initial_states_at_once():
     with jax.enable_x64(True):
         both = jax.vmap(lambda P0: cy.traced.rollout(PARAMS, GRID, P0, [0.5]))(
