@@ -61,13 +61,14 @@ def checked(kind, said, files, view, shot):
     seen = read(files if len(files) > 1 else files[0], **said).view(**view)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # a helix is no turned axis
-        data = seen.on_surface(max_angle_deg=60.0)
+        # Towards the rim a texture leans to the axis, in any camera: by 8 degrees at 55.
+        data = seen.on_surface(max_angle_deg=40.0 if kind == "orientation" else 60.0)
     time_s = shot.camera.scales.time_s
     if kind == "orientation":
         off = np.degrees(np.arctan(np.tan(data["angle"].values - PSI)))
-        assert np.isfinite(off).sum() > 200
-        assert abs(np.nanmean(off)) < 3.0
-        assert np.nanmedian(np.abs(off)) < 6.0  # filaments scatter
+        assert np.isfinite(off).sum() > 60
+        assert abs(np.nanmean(off)) < 2.0
+        assert np.nanmedian(np.abs(off)) < 5.0  # filaments scatter
         return
     if kind == "kymograph":
         assert 4 <= data.sizes["z"] <= 5  # windows of at least 64 pixels
