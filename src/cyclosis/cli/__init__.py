@@ -41,7 +41,7 @@ command(
     app,
     "measure field.txt --y down --speed px/s",
     "measure f.vec --radius-um 500 --axis 17 --centre 30,225 -o cell.nc",
-    "measure film.avi --frame-s 0.3 --radius-px 99 --axis 17 --out cell.png",
+    "measure film.avi --frame-s 0.3 --radius-px 99 --axis 17 -o c.png",
 )(measure)
 command(app, "compare cell.nc run.nc --out compared.png")(compare)
 command(app, "explore")(explore)
