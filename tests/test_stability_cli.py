@@ -102,7 +102,7 @@ def test_a_map_counts_points_and_keeps_them(tmp_path):
     [
         (["profile", "--alpha-p", "0.04", "--alpha-u", "0.01"], "two stripes|2 stripes"),
         (["profile", "--alpha-p", "many"], "alpha_p = 'many'"),
-        (["profile", "--out", "profile.txt"], ".png, .pdf, .nc or .csv"),
+        (["profile", "--out", "profile.txt"], ".png, .pdf, .svg, .eps, .nc or .csv"),
         (["profile", "--out", "nowhere/profile.png"], "folder that exists"),
         (["profile", "--stripes", "3"], "even"),
         (["spectrum", "--components", "x"], "both, z, theta"),

@@ -110,7 +110,7 @@ def test_saving(tmp_path):
     assert style.save(figure, tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
     assert style.save(figure, str(tmp_path / "a.PDF")).read_bytes()[:4] == b"%PDF"
     for name in ("a.jpg", "a"):
-        with pytest.raises(cy.InputError, match=r"ends in \.png or \.pdf"):
+        with pytest.raises(cy.InputError, match=r"ends in \.png, \.pdf, \.svg or \.eps"):
             style.save(figure, tmp_path / name)
     with pytest.raises(cy.InputError, match="folder"):
         style.save(figure, tmp_path / "missing" / "a.png")

@@ -249,6 +249,12 @@ class View:
         """Return the view with the settings that `to_dict` gives; other names are left alone.
 
         Raises `InputError` if there is no radius, and for values that cannot be used.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> seen = cy.observations.View(radius_px=100.0, axis_deg=17.0)
+            >>> cy.observations.View.from_dict(seen.to_dict()) == seen
+            True
         """
         known = {item.name for item in fields(cls)}
         found = {name: value for name, value in settings.items() if name in known}
