@@ -132,7 +132,9 @@ def _descended(
 
     def cost(x: Array) -> tuple[Array, float]:
         left = problem.misfit(x) * weight
-        value = 0.5 * float(left @ left) + 0.5 * float((((x - mean) / scale) ** 2).sum())
+        with np.errstate(over="ignore", invalid="ignore"):  # a run that diverges counts as infinitely far
+            square = float(left @ left)
+        value = 0.5 * square + 0.5 * float((((x - mean) / scale) ** 2).sum())
         return left, value if np.isfinite(value) else np.inf
 
     left, value = cost(x)
