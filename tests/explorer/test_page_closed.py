@@ -136,7 +136,7 @@ def test_files_of_a_closed_cell(page, tmp_path):
     assert run.times[-1] == pytest.approx(latest(page)["t"])
     assert export(page, "movie", tmp_path / "movie.mp4").stat().st_size > 10_000
     with Image.open(export(page, "png", tmp_path / "cell.png")) as drawn:
-        assert np.asarray(drawn.convert("RGB")).std() > 10
+        assert np.ptp(np.asarray(drawn.convert("L")).astype(int)) > 60  # the cell, whatever the page's colour
 
 
 @pytest.mark.parametrize("preset", ["figure4-capsule", "ends", "droplet"])

@@ -19,7 +19,7 @@ def opened(browser, address, size, console=True, scheme=None):
     page.goto(address)
     yield page
     context.close()
-    assert not troubles
+    assert not troubles, troubles
 
 
 def makers(server):

@@ -105,7 +105,7 @@ export function ready(setUp: SetUp, about: Catalogue): Ready {
 }
 
 /** The tables with every default that has a value filled in. */
-export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'model' | 'scales'> {
+export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'scales'> {
   const defaults = (items: Setting[]): Table => Object.fromEntries(items.map((item) => [item.name, item.default]));
   const kind = kindOf(tables, about);
   // In an ordered state, noise that is left out is zero, not its default.
@@ -113,6 +113,7 @@ export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'model
   const used = new Set(['kind', ...about.uses[kind]!.filter((name) => !noise.includes(name))]);
   const initial = Object.fromEntries(Object.entries(defaults(about.initial)).filter(([name]) => used.has(name)));
   return {
+    model: { kind: 'polar', ...tables.model },
     parameters: { ...defaults(about.parameters), ...tables.parameters },
     grid: { ...defaults(about.grid), ...tables.grid },
     initial: { ...initial, ...tables.initial },
