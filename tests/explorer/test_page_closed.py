@@ -63,6 +63,8 @@ def picture(page, where):
 
 def fingerprint(page):
     page.evaluate("document.querySelector('#hash').dataset.sha256 = ''")
+    # A page that is opened anew on a phone has its panels closed.
+    page.evaluate("document.querySelector('#ask-hash').closest('details').open = true")
     page.locator("#ask-hash").press("Enter")
     wait(page, "document.querySelector('#hash').dataset.sha256")
     return page.get_attribute("#hash", "data-sha256")
