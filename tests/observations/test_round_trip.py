@@ -18,11 +18,8 @@ from observed import LENGTH, cell, helical
 
 RADIUS = {"kymograph": 60.0, "orientation": 60.0}
 PSI = 0.5
-CAMERAS = [
-    (axis, mirrored, facing)
-    for axis, facing in ((17.0, np.pi), (90.0, 2.0), (-63.0, 0.4), (200.0, 5.0))
-    for mirrored in (False, True)
-]
+CAMERAS = [(17.0, False, np.pi), (90.0, True, 2.0), (-63.0, True, 0.4), (200.0, False, 5.0)]
+"""Direction of the axis, whether the picture is mirrored, and the angle that faces the camera."""
 OPTIONS = {
     "piv": {"window_px": 4, "step_px": 5, "times": [0.0, 1.0]},
     "tracks": {"frames": 4, "start": 1.0, "particles_per_px": 0.04},
