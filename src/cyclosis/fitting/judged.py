@@ -9,7 +9,7 @@ from ..model.grid import Array
 from .equation import LEAST_FRAMES, NAMES, Repeats, TooSmall, repeated
 from .film import Film, noise_of
 from .geometry import Tilt
-from .result import ORDER, Fit, directions
+from .result import ORDER, Fit, directions, masked
 from .weak import FILAMENTS, FLOW
 
 STEADY = 50.0
@@ -124,7 +124,7 @@ def _judged(
         {name: float("nan") if name in unknown else found.first.values[name] for name in names},
         {name: _interval(found.first.values[name], deviation[name], name in unknown) for name in names},
         sentence,
-        _masked(covariance, free, names, unknown),
+        masked(covariance, free, names, unknown),
         parts,
         condition,
         residual,
@@ -218,15 +218,6 @@ def _interval(value: float, deviation: float, unknown: bool) -> tuple[float, flo
     if unknown:
         return 0.0, float("inf")
     return max(value - T95 * deviation, 0.0), value + T95 * deviation
-
-
-def _masked(covariance: Array, free: tuple[str, ...], names: tuple[str, ...], unknown: set[str]) -> Array:
-    at = [free.index(name) for name in names]
-    out = covariance[np.ix_(at, at)].copy()
-    lost = [k for k, name in enumerate(names) if name in unknown]
-    out[lost] = np.nan
-    out[:, lost] = np.nan
-    return out
 
 
 def _rms(variance: Array, seen: npt.NDArray[np.bool_]) -> float:

@@ -24,7 +24,7 @@ from ..model.parameters import Parameters
 from ..model.precision import double
 from .film import Film, noise_of
 from .judged import NOISY, refusal
-from .result import ORDER, Direction, Fit
+from .result import ORDER, Fit, directions, masked, of_logarithms
 from .search import Problem, search
 
 POINTS, DT, COARSE = 32, 0.125, 0.25
@@ -282,16 +282,10 @@ def _fitted(
         progress(STAGES + 1, STAGES + 1)
     return Fit(
         "film",
-        {name: float("nan") if name in lost else best[name] for name in names},
-        {
-            name: (0.0, float("inf"))
-            if name in lost
-            else (best[name] * np.exp(-1.96 * logs[name]), best[name] * np.exp(1.96 * logs[name]))
-            for name in names
-        },
+        *of_logarithms(names, best, logs, lost),
         sentence,
-        _by_names(covariance * np.outer(values, values), free, names, lost),
-        () if len(lost) == n else _directions(free, covariance),
+        masked(covariance * np.outer(values, values), free, names, lost),
+        () if len(lost) == n else directions(free, np.ones(n), covariance),
         float(np.sqrt(np.divide(*np.linalg.eigvalsh(covariance)[[-1, 0]]))) if n else 1.0,
         float(np.sqrt(ratio)),
         fixed,
@@ -301,21 +295,6 @@ def _fitted(
         seed,
         None if len(lost) == n else lambda: _predicted(match, film, x),
     )
-
-
-def _directions(free: tuple[str, ...], covariance: Array) -> tuple[Direction, ...]:
-    from .result import directions
-
-    return directions(free, np.ones(len(free)), covariance)
-
-
-def _by_names(covariance: Array, free: tuple[str, ...], names: tuple[str, ...], lost: list[str]) -> Array:
-    at = [free.index(name) for name in names]
-    out = covariance[np.ix_(at, at)].copy()
-    gone = [k for k, name in enumerate(names) if name in lost]
-    out[gone] = np.nan
-    out[:, gone] = np.nan
-    return out
 
 
 def _predicted(match: Match, film: Film, x: Array) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -176,6 +176,30 @@ class Fit:
             "U": (self.scales.speed_um_per_s, "µm/s"),
         }
         return f"  ({value * units[name][0]:.4g} {units[name][1]})" if name in units else ""
+
+
+def of_logarithms(
+    names: tuple[str, ...], values: dict[str, float], deviations: dict[str, float], lost: Collection[str]
+) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    """Return estimates and intervals of 95 % of values whose logarithms have these standard deviations."""
+    estimate = {name: float("nan") if name in lost else values[name] for name in names}
+    interval = {
+        name: (0.0, float("inf"))
+        if name in lost
+        else (values[name] * np.exp(-1.96 * deviations[name]), values[name] * np.exp(1.96 * deviations[name]))
+        for name in names
+    }
+    return estimate, interval
+
+
+def masked(covariance: Array, free: tuple[str, ...], names: tuple[str, ...], lost: Collection[str]) -> Array:
+    """Return the covariance of `names` among `free` parameters, NaN where one of them is lost."""
+    at = [free.index(name) for name in names]
+    out = covariance[np.ix_(at, at)].copy()
+    gone = [k for k, name in enumerate(names) if name in lost]
+    out[gone] = np.nan
+    out[:, gone] = np.nan
+    return out
 
 
 def directions(names: tuple[str, ...], values: Array, covariance: Array) -> tuple[Direction, ...]:

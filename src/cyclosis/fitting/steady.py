@@ -21,7 +21,7 @@ from ..model.parameters import Parameters
 from ..stability.profiles.profile import Profile, cyclosis
 from .film import Film
 from .judged import refusal
-from .result import ORDER, Direction, Fit
+from .result import ORDER, Direction, Fit, of_logarithms
 
 NAMES = ("alpha_p", "alpha_u", "d_s", "d_r", "mu", "U")
 """What enters a profile."""
@@ -162,13 +162,7 @@ def by_profile(film: Film, wanted: tuple[str, ...], fixed: dict[str, float], see
                 covariance[i, j] = values[one] * values[other] * terms.sum()
     return Fit(
         "profile",
-        {name: float("nan") if name in lost else values[name] for name in names},
-        {
-            name: (0.0, float("inf"))
-            if name in lost
-            else (values[name] * np.exp(-1.96 * logs[name]), values[name] * np.exp(1.96 * logs[name]))
-            for name in names
-        },
+        *of_logarithms(names, values, logs, lost),
         verdict,
         covariance,
         parts,
