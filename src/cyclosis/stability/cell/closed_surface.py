@@ -33,7 +33,6 @@ class ClosedSurface(WholeCell):
     """The filament equation of a closed surface; its motions are rotations about x, y and z."""
 
     system: ClosedSystem
-    free: tuple[bool, ...]
 
     @cached_property
     def _kept(self) -> Any:

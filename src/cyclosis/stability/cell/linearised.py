@@ -8,6 +8,7 @@ rounding. What cells of different geometry do not share is in `plane` and `close
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +30,7 @@ MOST_STEPS = 1_000_000
 
 
 @dataclass(frozen=True)
-class WholeCell:
+class WholeCell(ABC):
     """The filament equation of a cell for vectors (size,), dimensionless.
 
     `free` says of every motion of the surface into itself whether it leaves the equation unchanged, so that
@@ -40,37 +41,37 @@ class WholeCell:
     free: tuple[bool, ...]
 
     @property
+    @abstractmethod
     def size(self) -> int:
         """The length of a vector."""
-        raise NotImplementedError
 
+    @abstractmethod
     def packed(self, vector: Array) -> Any:
         """Return the modes of a vector."""
-        raise NotImplementedError
 
+    @abstractmethod
     def flat(self, packed: Any) -> Array:
         """Return the vector of modes."""
-        raise NotImplementedError
 
+    @abstractmethod
     def slopes(self, vector: Array) -> Array:
         """Return the derivatives of a state along every motion, (motions, size)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def alike(self, one: Array, other: Array) -> float:
         """Return the scalar product of two vectors, maximised over free motions."""
-        raise NotImplementedError
 
+    @abstractmethod
     def tail(self, vector: Array) -> float:
         """Return the amplitude beyond two thirds of the resolved wavenumbers over that of all."""
-        raise NotImplementedError
 
+    @abstractmethod
     def variation(self, vector: Array) -> dict[str, float]:
         """Return the relative variation of a state along each axis by name."""
-        raise NotImplementedError
 
+    @abstractmethod
     def moving(self, drift: Array) -> Any:
         """Return the part of c·∇, with c the drift, that is diagonal in the modes; 0 for none."""
-        raise NotImplementedError
 
     def carried(self, drift: Array) -> Any:
         """Return the rest of c·∇ as a function of modes that JAX may trace, or None for none."""

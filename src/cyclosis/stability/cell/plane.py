@@ -13,16 +13,13 @@ from ...model.errors import InputError
 from ...model.filaments import Term
 from ...model.grid import Array
 from ...model.precision import double
-from ...model.system import System, system
+from ...model.system import system
 from .linearised import WholeCell
 
 
 @dataclass(frozen=True)
 class Plane(WholeCell):
     """The filament equation of a cylinder; its motions are shifts along theta and z."""
-
-    system: System
-    free: tuple[bool, ...]
 
     @property
     def shape(self) -> tuple[int, int]:
