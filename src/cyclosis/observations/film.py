@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from ..model.doors import door
 from ..model.errors import InputError, flag, number, whole
-from .films import moving, reading, steady
+from .films import light as lights
+from .films import measuring, moving, reading, steady, trial
 from .films.line import line_of
 from .films.reading import Film
 from .formats.content import KYMOGRAPH
@@ -28,6 +29,8 @@ LEAST, NOISY, FAST = 0.1, 3.0, 75
 """Nothing moves if this percentile is below so many pixels, or so many times the noise of one component."""
 SLOW = 0.5
 """Displacement in pixels per pair below which a note says that frames further apart would be better."""
+EMPTY = 0.01
+"""Share of a picture that must move for a film to be measured."""
 
 
 @door
@@ -40,6 +43,9 @@ def film(
     every: int = 1,
     pairs: int | None = None,
     step_px: int = 8,
+    window_px: float | None = None,
+    gap: int | None = None,
+    average: int | None = None,
     steady_stage: bool = True,
     light: str = "luma",
     line_px: Sequence[Sequence[float]] | None = None,
@@ -48,20 +54,26 @@ def film(
 
     Videos (.avi, .mp4, .mov, .gif and others) and stacks of TIFF pictures are read. Each frame is rid of slow
     variations of light and brought to the same contrast; the drift of the stage is taken out as far as
-    something in the picture stands still; what stands still in at least 16 frames is subtracted.
-    Displacements between successive frames are those of scikit-image's iterative Lucas-Kanade optical flow,
-    forward and backward. Samples are good where both agree, where the texture is stronger than noise, and
-    where the next frame, moved back, resembles the first one.
+    something in the picture stands still; what stands still is subtracted, from 3 frames on if it can be told
+    from what moves slowly. Displacements between two frames are those of scikit-image's iterative
+    Lucas-Kanade optical flow, forward and backward. Samples are good where both agree, where the second
+    frame, moved back, resembles the first one, and where the standard error, which the scatter of the light
+    that is left gives, is below 15 % of the fastest displacements.
 
     `frame_s` is the time between two frames of the film; without it that of the file is taken, which is the
     rate of playing. A TIFF stack without it gives velocities per frame. `frames` is a span (first, last) and
-    `every` takes one frame in so many. At most `pairs` (60) pairs of successive frames are measured, spread
-    evenly over the film. `step_px` is the distance of samples. `light` is the colour that is used: luma, red,
-    green or blue. With `line_px`, the ends ((x, y), (x, y)) of a line, the result is a kymograph along it,
-    whose speeds `on_surface` measures; nothing is taken out of that. `noise_px` of the result is the noise of
-    one displacement, from three successive pairs. Needs scikit-image (`pip install 'cyclosis[film]'`), and
-    tifffile for TIFF (`cyclosis[data]`). Raises `InputError` in one sentence for films that cannot be read,
-    that have fewer than two frames, or in which nothing moves.
+    `every` takes one frame in so many. At most `pairs` (60) pairs of frames are measured, spread evenly over
+    the film. `step_px` is the distance of samples. `window_px` is the diameter of the window, a Gaussian with
+    a quarter of that as its standard deviation; `gap` is how many frames lie between the first of a pair and
+    the second (1: successive frames); a velocity is the mean of `average` pairs that follow each other. These
+    three are chosen on a pair in the middle of the film, as small as its light allows, and a note says them.
+    `light` is the colour that is used: luma, red, green or blue. With `line_px`, the ends ((x, y), (x, y)) of
+    a line, the result is a kymograph along it, whose speeds `on_surface` measures; nothing is taken out of
+    that. `frame_s` of the result is the time from the first frame of a pair to the second, and `noise_px` the
+    noise of one component of that displacement, from three successive means, or in short films their standard
+    error. Needs scikit-image (`pip install 'cyclosis[film]'`), and tifffile for TIFF (`cyclosis[data]`).
+    Raises `InputError` in one sentence for films that cannot be read, that have fewer than two frames, or in
+    which nothing moves.
 
     Example:
         >>> import cyclosis as cy
@@ -78,6 +90,9 @@ def film(
     step = whole("every", every, 1, 100_000, "take one frame in so many")
     most = whole("pairs", PAIRS if pairs is None else pairs, 1, 1_000_000, "give a number of pairs")
     apart = whole("step_px", step_px, 1, 512, "give the distance of samples in pixels")
+    between = None if gap is None else whole("gap", gap, 1, 10_000, "give the frames from first to second")
+    mean = None if average is None else whole("average", average, 1, 1000, "give a number of pairs")
+    window = None if window_px is None else number("window_px", window_px, 5.0, 1001.0, "give pixels")
     flag("steady_stage", steady_stage)
     if line_px is None:
         moving.registration()
@@ -94,31 +109,37 @@ def film(
     if kept.size < 2:
         rule = "a film in which something moves: all frames are the same"
         raise InputError("file", str(path), rule, "choose another film")
-    prepared = moving.flattened(shot.pictures[kept])
+    if (between or 1) + (mean or 1) > kept.size:
+        rule = f"{kept.size} frames, fewer than gap and average need together"
+        raise InputError("gap and average", (between or 1, mean or 1), f"less than {rule}", "make them smaller")
+    prepared = lights.flattened(shot.pictures[kept])
     when = times[kept]
     places = steady.drift(prepared) if steady_stage else np.zeros((kept.size, 2))
     prepared = steady.steadied(prepared, places)
+    radius = None if window is None else max(2, round(0.5 * (window / shot.binned - 1)))
     if places.any():
         far = shot.binned * float(np.hypot(*(places.max(axis=0) - places.min(axis=0))))
         notes.append(f"the stage drifted by {far:.1f} pixels, which was taken out")
     picture = steady.steadied(shot.pictures[kept][:40], places[:40]).mean(axis=0)
-    noise = moving.camera_noise(prepared)
-    clear, _ = moving.without_still(prepared)
-    live = moving.moves(clear, noise)
-    if live.mean() < moving.EMPTY:
+    clear = trial.without_still(prepared, radius)
+    live = moving.moves(clear, lights.camera_noise(prepared))
+    if live.mean() < EMPTY:
         rule = "a film in which something moves: its light does not change by more than its noise"
         remedy = "take frames further apart, or a sharper film"
         raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
-    seen = _measured(clear, when, noise, live, most, apart, shot.binned)
-    if not any(frame.good.any() for frame in seen):
+    plan, fastest = trial.planned(clear, live, radius, between, mean)
+    cell = measuring.Prepared(clear, when, live, shot.binned)
+    seen, errors = measuring.measured(cell, plan, fastest, most, apart)
+    if not errors.size:
         rule = "a film whose frames resemble each other, moved by less than about 20 pixels"
         remedy = "record more frames a second, or leave out every"
         raise InputError("file", str(path), rule, remedy)
-    scatter = _noise(clear, when, noise, live, shot.binned)
-    ways = np.concatenate([_moved(frame)[frame.good] for frame in seen]) * float(np.median(np.diff(when)))
-    way, fastest = float(np.median(ways)), float(np.percentile(ways, FAST))
-    least = max(LEAST * shot.binned, NOISY * (scatter or 0.0))
-    if fastest < least:
+    took = plan.gap * float(np.median(np.diff(when)))
+    scatter = took * (measuring.noise(cell, plan, fastest) or float(np.median(errors)))
+    ways = took * np.concatenate([_moved(frame)[frame.good] for frame in seen])
+    way, fast = float(np.median(ways)), float(np.percentile(ways, FAST))
+    least = max(LEAST * shot.binned, NOISY * scatter)
+    if fast < least:
         rule = f"a film in which something moves by {least:.2g} pixels from frame to frame, above the noise"
         remedy = "take frames further apart (every)"
         raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
@@ -130,12 +151,21 @@ def film(
         tuple(seen),
         time_unit=unit,
         pixel_um=size,
-        frame_s=float(np.median(np.diff(when))) if unit == "s" else None,
-        noise_px=scatter,
+        frame_s=took if unit == "s" else None,
+        noise_px=scatter if unit == "s" else scatter / took,
         format="film",
         source=str(path),
-        notes=(*shot.notes, *notes),
+        notes=(*shot.notes, *notes, _said(plan, shot.binned)),
         image=_full(picture, shot.binned),
+    )
+
+
+def _said(plan: trial.Plan, binned: int) -> str:
+    """Return how pairs were measured, in words."""
+    window = f"a window of {(2 * plan.radius + 1) * binned} pixels"
+    pairs = "successive frames" if plan.gap == 1 else f"frames {plan.gap} apart"
+    return f"{pairs} were compared with {window}" + (
+        f"; a velocity is the mean of {plan.average} pairs" if plan.average > 1 else ""
     )
 
 
@@ -207,49 +237,6 @@ def _distinct(pictures: npt.NDArray[np.float32]) -> npt.NDArray[np.int64]:
     usual = float(np.median(change))
     scale = max(usual, SAME * float(np.abs(pictures[0]).mean()), 1e-12)
     return np.concatenate([[0], 1 + np.flatnonzero(change > 1e-3 * scale)])
-
-
-def _measured(
-    pictures: npt.NDArray[np.float32],
-    when: Array,
-    noise: float,
-    live: npt.NDArray[np.bool_],
-    most: int,
-    apart: int,
-    binned: int,
-) -> list[Frame]:
-    """Return the velocities of pairs of frames, spread evenly, on a grid of the pictures."""
-    count = len(pictures) - 1
-    chosen = np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
-    rows, columns = pictures.shape[1:]
-    step = max(1, round(apart / binned))
-    y, x = np.arange(step // 2, rows, step), np.arange(step // 2, columns, step)
-    found = []
-    for k in chosen:
-        flow = moving.between(pictures[k], pictures[k + 1], noise)
-        vx, vy = flow.v[:, y[:, None], x] * (binned / (when[k + 1] - when[k]))
-        good = (flow.good & live)[y[:, None], x]
-        middle = 0.5 * (when[k] + when[k + 1])
-        offset = 0.5 * (binned - 1)
-        found.append(gridded(binned * x + offset, binned * y + offset, vx, vy, good, middle))
-    return found
-
-
-def _noise(
-    pictures: npt.NDArray[np.float32], when: Array, noise: float, live: npt.NDArray[np.bool_], binned: int
-) -> float | None:
-    """Return the noise of a displacement in pixels: from second differences of three successive pairs."""
-    if len(pictures) < 4:
-        return None
-    first = (len(pictures) - 4) // 2
-    flows = [moving.between(pictures[k], pictures[k + 1], noise) for k in range(first, first + 3)]
-    steps = np.diff(when[first : first + 4])
-    a, b, c = (flow.v / dt for flow, dt in zip(flows, steps, strict=True))
-    good = flows[0].good & flows[1].good & flows[2].good & live
-    if good.sum() < 50:
-        return None
-    bend = (a - 2 * b + c)[:, good] * float(np.median(steps))
-    return float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6) * binned)
 
 
 def _moved(frame: Frame) -> Array:

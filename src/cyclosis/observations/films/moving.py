@@ -1,4 +1,4 @@
-"""What moves in a film: displacements between two frames, where they can be trusted, what stands still."""
+"""What moves in a film: displacements between two frames, their errors, and where they can be trusted."""
 
 from __future__ import annotations
 
@@ -9,35 +9,34 @@ import numpy as np
 import numpy.typing as npt
 
 from ...model.errors import InputError
+from .light import smoothed
 
 Fields = npt.NDArray[np.float32]
 Bools = npt.NDArray[np.bool_]
 
-WINDOW = 10
-"""Radius of the window of optical flow, in pixels."""
-SMOOTH = 10.0
-"""Light that varies over more pixels than this is taken out: the outline of the cell, and the lamp."""
-STILL_FRAMES = 16
-"""Frames from which on what stands still can be told from what moves slowly."""
-TEXTURE = 3.0
-"""How much stronger than noise the texture must be where a displacement is trusted."""
+RADIUS = 10
+"""Radius of the window of optical flow, in pixels, unless a larger one is needed."""
 ALIKE = 0.5
 """Least correlation of a frame with the next one, moved back."""
+ALIKE_WIDTH = 7.0
+"""Standard deviation in pixels of the window in which they are compared."""
 AGREE = 0.35
 """Largest difference of the displacements forward and backward, in pixels, beyond a tenth of them."""
-EMPTY = 0.01
-"""Share of a picture that must move for a film to be measured."""
+GRAIN = 1.5
+"""Standard deviation in pixels within which errors of neighbouring pixels go together."""
 
 
 @dataclass
 class Flow:
     """Displacements from one frame to another, half way between them: `v` (2, rows, columns), right and down.
 
-    `good` (rows, columns) is where they can be trusted.
+    `consistent` (rows, columns) is where the displacements forward and backward agree and the moved frame
+    resembles the other one. `error` (rows, columns) is the standard error of one component, in pixels.
     """
 
     v: Fields
-    good: Bools
+    consistent: Bools
+    error: Fields
 
 
 def registration() -> Any:
@@ -50,93 +49,80 @@ def registration() -> Any:
     return registration
 
 
-def flattened(pictures: Fields) -> Fields:
-    """Return frames (n, rows, columns) without slow variations of light, in units of their contrast.
+def between(first: Fields, second: Fields, radius: int = RADIUS) -> Flow:
+    """Return the displacements from one prepared frame to another, by optical flow in both directions."""
+    flow = registration().optical_flow_ilk
+    ahead = flow(first, second, radius=radius, gaussian=True)
+    back = flow(second, first, radius=radius, gaussian=True)
+    v = 0.5 * (ahead - back)
+    one, other = _halfway(first, second, v)
+    apart = np.hypot(*(ahead + back)) * 0.5
+    agrees = apart < AGREE + 0.1 * np.hypot(*v)
+    consistent = (_likeness(one, other) > ALIKE) & agrees
+    edge = radius // 2
+    consistent[:edge] = consistent[-edge:] = False
+    consistent[:, :edge] = consistent[:, -edge:] = False
+    return Flow(np.stack([v[1], v[0]]), consistent, standard_error(one, other, width_of(radius)))
 
-    The square root makes the noise of photons even. Each frame gets the same contrast, whatever the lamp: its
-    own darkest pixels are the zero of its light, so that a frame and the same one in less light become equal.
+
+def width_of(radius: int) -> float:
+    """Return the standard deviation in pixels of the Gaussian window that scikit-image gives this radius."""
+    return (2 * radius + 1) / 4
+
+
+def standard_error(one: Fields, other: Fields, width: float) -> Fields:
+    """Return the standard error of one component of a displacement (rows, columns), in pixels.
+
+    `one` and `other` are the frames, both moved to the middle. Lucas and Kanade's displacement solves
+    <g g'> v = <g d>, with g the gradient of the light, d its difference, and < > the mean over a window. So
+    its covariance is <g g'>^-1 cov(<g d>) <g g'>^-1. The scatter of g d over the window gives cov(<g d>); g d
+    is averaged over `GRAIN` pixels first, so that neighbours that go together are not counted as many.
     """
     from scipy.ndimage import gaussian_filter
 
-    out = np.empty_like(pictures)
-    for k, picture in enumerate(pictures):
-        dark = float(np.percentile(picture, 0.5))
-        root = np.sqrt(np.maximum(picture - dark, 0.0))
-        out[k] = root - gaussian_filter(root, SMOOTH)
-    spread = np.array([_spread(each) for each in out])
-    usual = float(np.median(spread))
-    scale = np.where(spread > 0.1 * usual, spread, max(usual, 1e-12)).astype(np.float32)
-    return np.asarray(out / scale[:, None, None], dtype=np.float32)
+    def mean(values: Fields) -> npt.NDArray[np.float64]:
+        return np.asarray(gaussian_filter(values, width, mode="mirror"), dtype=np.float64)
 
-
-def without_still(pictures: Fields) -> tuple[Fields, Fields]:
-    """Return frames without what stands still, and that, from at least `STILL_FRAMES` frames.
-
-    Shorter films are returned as they are: what moves slowly would be lost.
-    """
-    if len(pictures) < STILL_FRAMES:
-        return pictures, np.zeros_like(pictures[0])
-    some = pictures[np.unique(np.linspace(0, len(pictures) - 1, 41).astype(int))]
-    still = np.median(some, axis=0)
-    return pictures - still, still
-
-
-def between(first: Fields, second: Fields, noise: float) -> Flow:
-    """Return the displacements from one prepared frame to another, by optical flow in both directions."""
-    from scipy.ndimage import gaussian_filter, map_coordinates
-
-    flow = registration().optical_flow_ilk
-    ahead = flow(first, second, radius=WINDOW, gaussian=True)
-    back = flow(second, first, radius=WINDOW, gaussian=True)
-    v = 0.5 * (ahead - back)
-    rows, columns = np.indices(first.shape, dtype=np.float32)
-    half = [rows - 0.5 * v[0], columns - 0.5 * v[1]], [rows + 0.5 * v[0], columns + 0.5 * v[1]]
-    one, other = (
-        map_coordinates(picture, at, order=1, mode="nearest")
-        for picture, at in zip((first, second), half, strict=True)
-    )
-    wide = 0.7 * WINDOW
-    mean_one, mean_other = gaussian_filter(one, wide), gaussian_filter(other, wide)
-    power = (
-        gaussian_filter(one * one, wide) - mean_one**2,
-        gaussian_filter(other * other, wide) - mean_other**2,
-    )
-    both = gaussian_filter(one * other, wide) - mean_one * mean_other
-    alike = both / np.sqrt(np.maximum(power[0] * power[1], 1e-12))
-    texture = np.sqrt(np.maximum(0.5 * (power[0] + power[1]), 0.0))
-    apart = np.hypot(*(ahead + back)) * 0.5
-    good = (alike > ALIKE) & (texture > TEXTURE * noise) & (apart < AGREE + 0.1 * np.hypot(*v))
-    edge = WINDOW // 2
-    good[:edge] = good[-edge:] = False
-    good[:, :edge] = good[:, -edge:] = False
-    return Flow(np.stack([v[1], v[0]]), good)
-
-
-def camera_noise(pictures: Fields) -> float:
-    """Return the noise of prepared frames: from the quietest tenth of the differences of two frames.
-
-    There nothing moves; the median of the absolute differences of neighbouring pixels' means is a robust
-    standard deviation.
-    """
-    from scipy.ndimage import uniform_filter
-
-    found = []
-    for k in np.unique(np.linspace(0, len(pictures) - 2, 5).astype(int)):
-        change = pictures[k + 1] - pictures[k]
-        local = np.sqrt(np.maximum(uniform_filter(change**2, 15), 0.0))
-        found.append(float(np.percentile(local, 5)) / np.sqrt(2))
-    return max(float(np.median(found)), 1e-6)
+    down, right = np.gradient(0.5 * (one + other))
+    difference = one - other
+    a, b = (gaussian_filter(g * difference, GRAIN, mode="mirror") for g in (down, right))
+    # Independent averages in the window, less those that the displacement itself has used up.
+    share = GRAIN**2 / width**2
+    factor = share / (1 - share)
+    yy, xx, xy = mean(down * down), mean(right * right), mean(down * right)
+    aa, bb, ab = (factor * mean(each) for each in (a * a, b * b, a * b))
+    # The trace of G^-1 C G^-1 = G^-2 C for symmetric 2 x 2 matrices; G^-1 = [[xx, -xy], [-xy, yy]] / det.
+    det = np.maximum(yy * xx - xy * xy, 1e-12)
+    squares = (xx * xx + xy * xy) * aa + (yy * yy + xy * xy) * bb - 2 * xy * (xx + yy) * ab
+    return np.asarray(np.sqrt(np.maximum(0.5 * squares, 0.0)) / det, dtype=np.float32)
 
 
 def moves(pictures: Fields, noise: float) -> Bools:
     """Return where the light changes more than noise explains, (rows, columns), over a window."""
     from scipy.ndimage import uniform_filter
 
-    some = pictures[np.unique(np.linspace(0, len(pictures) - 1, 24).astype(int))]
-    change = np.sqrt(uniform_filter(some.var(axis=0), 15))
+    some = smoothed(pictures[np.unique(np.linspace(0, len(pictures) - 1, 24).astype(int))])
+    change = np.sqrt(uniform_filter(some.var(axis=0, ddof=1), 15))
     return np.asarray(change > 1.6 * noise)
 
 
-def _spread(values: Fields) -> float:
-    low, high = np.percentile(values, (2, 98))
-    return float(high - low)
+def _halfway(first: Fields, second: Fields, v: Fields) -> tuple[Fields, Fields]:
+    """Return two frames, each moved half of the displacement `v` (2, rows, columns), down and right."""
+    from scipy.ndimage import map_coordinates
+
+    rows, columns = np.indices(first.shape, dtype=np.float32)
+    one = map_coordinates(first, (rows - 0.5 * v[0], columns - 0.5 * v[1]), order=1, mode="nearest")
+    other = map_coordinates(second, (rows + 0.5 * v[0], columns + 0.5 * v[1]), order=1, mode="nearest")
+    return one, other
+
+
+def _likeness(one: Fields, other: Fields) -> Fields:
+    """Return the correlation of two frames (rows, columns), over a window."""
+    from scipy.ndimage import gaussian_filter
+
+    def mean(values: Fields) -> Fields:
+        return np.asarray(gaussian_filter(values, ALIKE_WIDTH), dtype=np.float32)
+
+    a, b = mean(one), mean(other)
+    both, powers = mean(one * other) - a * b, (mean(one * one) - a * a) * (mean(other * other) - b * b)
+    return np.asarray(both / np.sqrt(np.maximum(powers, 1e-24)), dtype=np.float32)
