@@ -7,7 +7,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.observations import View, film, observe
-from cyclosis.observations.films import moving, reading, steady
+from cyclosis.observations.films import light, reading, steady
 from cyclosis.observations.microscope.files import WRITERS
 from observed import RUN, velocity
 
@@ -132,7 +132,7 @@ def test_the_light_is_made_even():
     rng = np.random.default_rng(0)
     texture = rng.normal(size=(80, 90)).astype(np.float32)
     lamp = np.linspace(60, 140, 90)
-    even = moving.flattened(np.stack([lamp + 5 * texture, 0.6 * lamp + 3 * texture]).astype(np.float32))
+    even = light.flattened(np.stack([lamp + 5 * texture, 0.6 * lamp + 3 * texture]).astype(np.float32))
     assert np.corrcoef(even[0].ravel(), even[1].ravel())[0, 1] > 1 - 1e-6
     # The square root bends this ramp: a Gaussian of 10 pixels leaves 0.03 of its contrast at the dark end.
     assert abs(even[:, :, 20:40].mean() - even[:, :, 50:70].mean()) < 0.025

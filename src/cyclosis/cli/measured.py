@@ -161,7 +161,10 @@ def measure(
     window_px: Annotated[
         float | None,
         _option(
-            "--window-px", metavar="PX", help="OpenPIV's search window, to correct its positions.", group=FILE
+            "--window-px",
+            metavar="PX",
+            help="OpenPIV's search window, to correct its positions; of a film, the window to use.",
+            group=FILE,
         ),
     ] = None,
     focus_um: Annotated[
@@ -194,6 +197,13 @@ def measure(
     pairs: Annotated[
         int | None,
         _option("--pairs", metavar="N", help="Pairs of frames to measure; by default 60.", group=FILM),
+    ] = None,
+    gap: Annotated[
+        int | None,
+        _option("--gap", metavar="N", help="Frames from the first of a pair to the second.", group=FILM),
+    ] = None,
+    average: Annotated[
+        int | None, _option("--average", metavar="N", help="Pairs whose mean is a velocity.", group=FILM)
     ] = None,
     light: Annotated[
         str | None,
@@ -228,16 +238,23 @@ def measure(
         "focus_um": numbers("focus_um", focus_um),
         "noise_px": noise_px,
         "angle": angle,
-        "window_px": window_px,
     }
     of_film: dict[str, Any] = {
         "frames": None if span is None else tuple(int(n) if n == int(n) else n for n in span),
         "every": every,
         "pairs": pairs,
+        "gap": gap,
+        "average": average,
         "light": light,
         "keep_drift": keep_drift or None,
     }
-    both = {"pixel_um": pixel_um, "frame_s": frame_s, "line_px": line_px, "step_px": step_px}
+    both = {
+        "pixel_um": pixel_um,
+        "frame_s": frame_s,
+        "line_px": line_px,
+        "step_px": step_px,
+        "window_px": window_px,
+    }
     seen = reading(files, format, both, said, of_film)
     given = (radius_um, radius_px, axis, centre, *(out or []))
     if all(value is None for value in given):

@@ -17,7 +17,7 @@ from .films import measuring, moving, reading, steady, trial
 from .films.line import line_of
 from .films.reading import Film
 from .formats.content import KYMOGRAPH
-from .observation import Frame, Observation, gridded
+from .observation import Frame, Observation
 
 Array = npt.NDArray[np.float64]
 
@@ -110,43 +110,25 @@ def film(
         rule = "a film in which something moves: all frames are the same"
         raise InputError("file", str(path), rule, "choose another film")
     if (between or 1) + (mean or 1) > kept.size:
-        rule = f"{kept.size} frames, fewer than gap and average need together"
-        raise InputError("gap and average", (between or 1, mean or 1), f"less than {rule}", "make them smaller")
+        rule = f"less than the film has together, {kept.size} frames"
+        raise InputError("gap and average", (between or 1, mean or 1), rule, "make them smaller")
     prepared = lights.flattened(shot.pictures[kept])
-    when = times[kept]
     places = steady.drift(prepared) if steady_stage else np.zeros((kept.size, 2))
-    prepared = steady.steadied(prepared, places)
-    radius = None if window is None else max(2, round(0.5 * (window / shot.binned - 1)))
     if places.any():
         far = shot.binned * float(np.hypot(*(places.max(axis=0) - places.min(axis=0))))
         notes.append(f"the stage drifted by {far:.1f} pixels, which was taken out")
     picture = steady.steadied(shot.pictures[kept][:40], places[:40]).mean(axis=0)
-    clear = trial.without_still(prepared, radius)
-    live = moving.moves(clear, lights.camera_noise(prepared))
-    if live.mean() < EMPTY:
-        rule = "a film in which something moves: its light does not change by more than its noise"
-        remedy = "take frames further apart, or a sharper film"
-        raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
-    plan, fastest = trial.planned(clear, live, radius, between, mean)
-    cell = measuring.Prepared(clear, when, live, shot.binned)
+    radius = None if window is None else max(2, round(0.5 * (window / shot.binned - 1)))
+    cell = _cell(steady.steadied(prepared, places), times[kept], radius, shot.binned, str(path))
+    plan, fastest = trial.planned(cell.pictures, cell.live, radius, between, mean)
     seen, errors = measuring.measured(cell, plan, fastest, most, apart)
     if not errors.size:
         rule = "a film whose frames resemble each other, moved by less than about 20 pixels"
         remedy = "record more frames a second, or leave out every"
         raise InputError("file", str(path), rule, remedy)
-    took = plan.gap * float(np.median(np.diff(when)))
+    took = plan.gap * float(np.median(np.diff(cell.when)))
     scatter = took * (measuring.noise(cell, plan, fastest) or float(np.median(errors)))
-    ways = took * np.concatenate([_moved(frame)[frame.good] for frame in seen])
-    way, fast = float(np.median(ways)), float(np.percentile(ways, FAST))
-    least = max(LEAST * shot.binned, NOISY * scatter)
-    if fast < least:
-        rule = f"a film in which something moves by {least:.2g} pixels from frame to frame, above the noise"
-        remedy = "take frames further apart (every)"
-        raise InputError("file", str(path), rule, remedy, "give --every 5, for example")
-    if way < SLOW * shot.binned:
-        notes.append(
-            f"half of the displacements are below {way:.2g} pixels; frames further apart (every) are better"
-        )
+    notes += _judged(seen, took, scatter, shot.binned, str(path))
     return Observation(
         tuple(seen),
         time_unit=unit,
@@ -158,6 +140,35 @@ def film(
         notes=(*shot.notes, *notes, _said(plan, shot.binned)),
         image=_full(picture, shot.binned),
     )
+
+
+def _cell(
+    pictures: npt.NDArray[np.float32], when: Array, radius: int | None, binned: int, source: str
+) -> measuring.Prepared:
+    """Return the frames without what stands still, and where something moves."""
+    clear = trial.without_still(pictures, radius)
+    live = moving.moves(clear, lights.camera_noise(pictures))
+    if live.mean() < EMPTY:
+        rule = "a film in which something moves: its light does not change by more than its noise"
+        remedy = "take frames further apart, or a sharper film"
+        raise InputError("file", source, rule, remedy, "give --every 5, for example")
+    return measuring.Prepared(clear, when, live, binned)
+
+
+def _judged(seen: list[Frame], took: float, scatter: float, binned: int, source: str) -> list[str]:
+    """Refuse a film in which nothing moves faster than noise, and return a note if it is slow."""
+    ways = took * np.concatenate([_moved(frame)[frame.good] for frame in seen])
+    way, fast = float(np.median(ways)), float(np.percentile(ways, FAST))
+    least = max(LEAST * binned, NOISY * scatter)
+    if fast < least:
+        rule = f"a film in which something moves by {least:.2g} pixels from frame to frame, above the noise"
+        remedy = "take frames further apart (every)"
+        raise InputError("file", source, rule, remedy, "give --every 5, for example")
+    if way < SLOW * binned:
+        return [
+            f"half of the displacements are below {way:.2g} pixels; frames further apart (every) are better"
+        ]
+    return []
 
 
 def _said(plan: trial.Plan, binned: int) -> str:

@@ -68,18 +68,18 @@ def mean_velocity(film: Prepared, start: int, plan: Plan, fastest: float) -> Mea
     return Mean(total / np.maximum(weights, 1e-24), error, good, float(np.mean(middles)))
 
 
-def measured(film: Prepared, plan: Plan, fastest: float, most: int, step_px: int) -> tuple[list[Frame], Array]:
+def measured(film: Prepared, plan: Plan, fastest: float, most: int, step: int) -> tuple[list[Frame], Array]:
     """Return velocities at times spread evenly over a film, from at most `most` pairs, and their errors.
 
-    The velocities are in pixels of the file per unit of time, `step_px` such pixels apart. The errors are
+    The velocities are in pixels of the file per unit of time, `step` such pixels apart. The errors are
     those of one component, at the samples that count.
     """
     pairs = len(film.pictures) - plan.gap
     count = max(1, min(most, pairs) // plan.average)
     starts = np.unique(np.linspace(0, pairs - plan.average, count).round().astype(int))
     rows, columns = film.live.shape
-    step = max(1, round(step_px / film.binned))
-    y, x = np.arange(step // 2, rows, step), np.arange(step // 2, columns, step)
+    apart = max(1, round(step / film.binned))
+    y, x = np.arange(apart // 2, rows, apart), np.arange(apart // 2, columns, apart)
     offset = 0.5 * (film.binned - 1)
     frames, errors = [], []
     for start in starts:
@@ -92,9 +92,9 @@ def measured(film: Prepared, plan: Plan, fastest: float, most: int, step_px: int
 
 
 def noise(film: Prepared, plan: Plan, fastest: float) -> float | None:
-    """Return the noise of a velocity component in pixels per time, from second differences; None if too short.
+    """Return the noise of a velocity component in pixels per time, or None if the film is too short.
 
-    Three successive means in the middle of the film are compared.
+    It comes from second differences of three successive means in the middle of the film.
     """
     pairs = len(film.pictures) - plan.gap
     first = (pairs - 3 * plan.average) // 2

@@ -19,8 +19,11 @@ GAIN = 0.02
 """By how much a shift must make two medians more alike, as a share of what they lack."""
 TILES = 5
 """Parts of a picture, in each direction, that must agree on a drift."""
-AGREE, MAJORITY = 0.75, 0.6
-"""Pixels within which a part agrees, and the share of the texture that must."""
+AGREE, MARGIN, MAJORITY = 0.75, 0.05, 0.6
+"""A part agrees within so many pixels, or if no other shift makes it more alike by the second number.
+
+The third is the share of the texture that must agree.
+"""
 LIKENESS = 0.3
 """Least correlation of two shifted medians."""
 LARGEST = 0.2
@@ -92,7 +95,10 @@ def _shared(before: Fields, after: Fields, right: float, down: float) -> bool:
             moved, _, _ = registration().phase_cross_correlation(
                 one * window, other * window, upsample_factor=10, normalization=None
             )
-            votes.append(np.hypot(*moved) < AGREE)
+            here = _alike(one, other, 0.0, 0.0)
+            elsewhere = _alike(one, other, -float(moved[1]), -float(moved[0]))
+            # What still moves in a median blurs the place of the best likeness, but gains little there.
+            votes.append(np.hypot(*moved) < AGREE or here > max(elsewhere - MARGIN, LIKENESS))
             power.append(float(np.sqrt((one * one).mean() * (other * other).mean())))
     return float(np.average(votes, weights=np.array(power) + 1e-12)) >= MAJORITY
 

@@ -1,4 +1,4 @@
-"""How a film is measured: the window, the frames of a pair, the pairs in a mean; tried on a pair in its middle."""
+"""How a film is measured: window, frames of a pair and pairs in a mean, tried in the middle of the film."""
 
 from __future__ import annotations
 
