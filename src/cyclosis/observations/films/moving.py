@@ -16,6 +16,8 @@ Bools = npt.NDArray[np.bool_]
 
 RADIUS = 10
 """Radius of the window of optical flow, in pixels, unless a larger one is needed."""
+WARPS = 4
+"""Iterations at each scale. With 10, the default, nine tenths of good samples change by less than 0.01 px."""
 ALIKE = 0.5
 """Least correlation of a frame with the next one, moved back."""
 ALIKE_WIDTH = 7.0
@@ -52,8 +54,8 @@ def registration() -> Any:
 def between(first: Fields, second: Fields, radius: int = RADIUS) -> Flow:
     """Return the displacements from one prepared frame to another, by optical flow in both directions."""
     flow = registration().optical_flow_ilk
-    ahead = flow(first, second, radius=radius, gaussian=True)
-    back = flow(second, first, radius=radius, gaussian=True)
+    ahead = flow(first, second, radius=radius, num_warp=WARPS, gaussian=True)
+    back = flow(second, first, radius=radius, num_warp=WARPS, gaussian=True)
     v = 0.5 * (ahead - back)
     one, other = _halfway(first, second, v)
     apart = np.hypot(*(ahead + back)) * 0.5
