@@ -233,7 +233,8 @@ class Protocol:
     def __repr__(self) -> str:
         marks = ["├─"] * (len(self) - 1) + ["└─"]
         lines = (f"{mark} {step}" for mark, step in zip(marks, self.steps, strict=False))
-        return "\n".join([f"Protocol: {len(self)} steps, seed {self.seed}", *lines])
+        steps = "1 step" if len(self) == 1 else f"{len(self)} steps"
+        return "\n".join([f"Protocol: {steps}, seed {self.seed}", *lines])
 
 
 def _seeded(steps: list[Step]) -> tuple[Step, ...]:

@@ -25,6 +25,7 @@ from ..model.precision import double
 from .lanes import LaneState, run_lanes, stacked, tables
 from .members import DISORDERED, UNCERTIFIED, EnsembleSettings, Member, Outcome, ended, uncertain
 from .scheduled import follow_scheduled
+from .scheduled_lanes import ScheduledLanes
 
 CPU_LANES = 1
 """Lanes on a CPU: with more, the working set does not fit into the fast cache."""
@@ -46,7 +47,7 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
     step from the ladder 2^{j/2}; its outcome does not depend on the other members. Members may differ in
     everything; those with the same grid, diffusion and flow operator share lanes. `lanes` sets how many run
     at once, by default one on a CPU and as many as fit into 8 GiB on an accelerator. Members with a protocol
-    are integrated one after another.
+    share lanes too, whatever the times and values of its steps.
 
     Raises `InputError` for states that do not fit their grid, and for a protocol if `finish` is
     "certified"; problems that occur later are outcomes.
@@ -61,7 +62,9 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
     """
     how = how or EnsembleSettings()
     outcomes: list[Outcome | None] = [None] * len(members)
+    alone: list[int] = []
     pools: dict[Any, list[int]] = {}
+    scheduled: dict[tuple[Any, int], list[int]] = {}
     for index, member in enumerate(members):
         lanes = member.model.lanes
         if how.finish == "certified" and member.protocol:
@@ -69,12 +72,21 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
         if how.finish == "certified" and not member.model.certifies:
             rule = f"t_end with the model {member.model.wording}, whose final regimes cannot be certified"
             raise InputError("finish", how.finish, rule, "set it so")
-        if lanes is not None and not member.protocol:
+        if lanes is not None and member.protocol:
+            width = how.lanes or default_lanes(member.grid, how.precision)
+            scheduled.setdefault((member.model, width), []).append(index)
+        elif lanes is None:
+            alone.append(index)
+        else:
             pools.setdefault((member.model, lanes.shared(member.params, member.grid)), []).append(index)
     with double():
-        for index, member in enumerate(members):
-            if member.protocol or member.model.lanes is None:
-                outcomes[index] = follow_scheduled(member, how)
+        for index in alone:
+            outcomes[index] = follow_scheduled(members[index], how)
+        for (_, width), indices in scheduled.items():
+            # One lane has a program of its own, which costs a single member less.
+            together = ScheduledLanes(members, indices, how, width).run() if width > 1 else ()
+            for index, outcome in together or ((i, follow_scheduled(members[i], how)) for i in indices):
+                outcomes[index] = outcome
         for indices in pools.values():
             for index, outcome in _Pool(members, indices, how).run():
                 outcomes[index] = outcome
