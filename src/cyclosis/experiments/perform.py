@@ -10,6 +10,7 @@ import xarray
 
 from ..dataset import check_writable
 from ..dataset.tables import write_table
+from ..dataset.whole import remove
 from ..figures import style
 from ..model.errors import InputError, whole
 from .catalogue import experiment
@@ -47,12 +48,13 @@ def perform(
     workers: int | None = None,
     force: bool = False,
     told: Told | None = None,
+    fresh: bool = False,
 ) -> Performance:
     """Run an experiment, write NAME.nc and NAME.png to the folder `out`, and return the results.
 
     `seeds` replaces the experiment's default number of seeds; `quick` uses few, and fewer or shorter runs of
-    every kind. Completed parts of sweeps stay in `out`/stores, so that the same call continues after an
-    interruption. Raises `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
+    every kind. Every member that is done is stored in `out`/stores, so that the same call continues after an
+    interruption; `fresh` removes what is stored there of this experiment and computes it again. Raises `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
     range.
 
     Example:
@@ -74,6 +76,8 @@ def perform(
     given = chosen.quick_seeds if quick else chosen.seeds
     count = given if seeds is None else whole("seeds", seeds, 1, MOST_SEEDS, f"the default is {given}")
     kind = f"{name}-{'quick' if quick else 'full'}-{count}"
+    if fresh:
+        remove(folder / STORES / kind)
     with Lab(folder / STORES / kind, count, quick, workers, told) as lab:
         data = labelled(chosen, chosen.measure(lab), count, quick)
     picture.unlink(missing_ok=True)  # an interruption must not leave an old figure beside new data

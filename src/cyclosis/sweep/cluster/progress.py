@@ -35,6 +35,13 @@ class SweepProgress:
     aside: int
 
 
+def counted(done: int, total: int, seconds: float) -> SweepProgress:
+    """Return the progress of members that are only counted, `done` of `total` in `seconds`."""
+    rate = done / seconds if seconds > 0 else 0.0
+    left = (total - done) / rate if rate > 0 else None
+    return SweepProgress(done, total, done, {}, {}, seconds, rate, left, 0, 0)
+
+
 @dataclass(frozen=True)
 class SweepSummary:
     """The summary of a call of `run_sweep` or `repair`.
