@@ -6,18 +6,18 @@ import contextlib
 import glob
 import os
 import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from ..contract.model import Model, TermLike
 from ..dynamics.interrupts import carried
-from ..dynamics.run import Snapshot
 from ..dynamics.simulate import CHECKPOINT_SECONDS, resume
 from ..dynamics.trajectory import Status, Trajectory
 from ..model.doors import door
 from ..model.errors import InputError
+from ..model.reporting import Progress
 from .contents import Contents, of_trajectory
 from .convert import load
 from .netcdf import damaged, joined, read_contents, write_contents
@@ -231,7 +231,7 @@ def resume_file(
     *,
     terms: Iterable[TermLike] | None = None,
     model: Model | None = None,
-    progress: Callable[[Snapshot], None] | None = None,
+    progress: Progress = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
 ) -> Trajectory:
     """Continue the run in a file, finished or interrupted, to `t_end`; the file then holds the whole run.

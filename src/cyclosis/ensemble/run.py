@@ -6,6 +6,7 @@ import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import jax
@@ -22,6 +23,7 @@ from ..model.devices import require_devices
 from ..model.doors import door
 from ..model.errors import InputError
 from ..model.precision import double
+from ..model.reporting import Progress, counted, reported
 from .lanes import LaneState, run_lanes, stacked, tables
 from .members import DISORDERED, UNCERTIFIED, EnsembleSettings, Member, Outcome, ended, uncertain
 from .scheduled import follow_scheduled
@@ -39,7 +41,9 @@ MOST_STEPS = 1_000_000
 
 
 @door
-def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> list[Outcome]:
+def follow(
+    members: Sequence[Member], how: EnsembleSettings | None = None, *, progress: Progress = None
+) -> list[Outcome]:
     """Integrate every member until its final regime is certain, or to t_end, and return outcomes in order.
 
     With `finish = "certified"` a member ends as soon as its final regime is certain (see
@@ -47,7 +51,8 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
     step from the ladder 2^{j/2}; its outcome does not depend on the other members. Members may differ in
     everything; those with the same grid, diffusion and flow operator share lanes. `lanes` sets how many run
     at once, by default one on a CPU and as many as fit into 8 GiB on an accelerator. Members with a protocol
-    share lanes too, whatever the times and values of its steps.
+    share lanes too, whatever the times and values of its steps. `progress` shows a bar in a terminal or a
+    notebook unless it is False; a function is called with the numbers of members done and in all.
 
     Raises `InputError` for states that do not fit their grid, and for a protocol if `finish` is
     "certified"; problems that occur later are outcomes.
@@ -79,17 +84,21 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
             alone.append(index)
         else:
             pools.setdefault((member.model, lanes.shared(member.params, member.grid)), []).append(index)
-    with double():
-        for index in alone:
-            outcomes[index] = follow_scheduled(members[index], how)
+
+    def singly(indices: Sequence[int]) -> Iterator[tuple[int, Outcome]]:
+        return ((index, follow_scheduled(members[index], how)) for index in indices)
+
+    with double(), reported(progress, "follow", counted) as report:
+        parts = [singly(alone)]
         for (_, width), indices in scheduled.items():
-            # One lane has a program of its own, which costs a single member less.
-            together = ScheduledLanes(members, indices, how, width).run() if width > 1 else ()
-            for index, outcome in together or ((i, follow_scheduled(members[i], how)) for i in indices):
-                outcomes[index] = outcome
-        for indices in pools.values():
-            for index, outcome in _Pool(members, indices, how).run():
-                outcomes[index] = outcome
+            # One lane needs no stacking: its member is integrated like a single run.
+            lanes_of = ScheduledLanes(members, indices, how, width)
+            parts.append(singly(indices) if width == 1 else lanes_of.run())
+        parts += [_Pool(members, indices, how).run() for indices in pools.values()]
+        for done, (index, outcome) in enumerate(chain.from_iterable(parts), 1):
+            outcomes[index] = outcome
+            if report is not None:
+                report(done, len(members))
     return [outcome for outcome in outcomes if outcome is not None]
 
 

@@ -13,6 +13,8 @@ from ..dataset.tables import write_table
 from ..dataset.whole import remove
 from ..figures import style
 from ..model.errors import InputError, whole
+from ..model.reporting import counted, reported
+from ..sweep.cluster.progress import SweepProgress
 from .catalogue import experiment
 from .experiment import Experiment, Verdict
 from .lab import Lab, Told
@@ -49,12 +51,15 @@ def perform(
     force: bool = False,
     told: Told | None = None,
     fresh: bool = False,
+    progress: bool | None = None,
 ) -> Performance:
     """Run an experiment, write NAME.nc and NAME.png to the folder `out`, and return the results.
 
     `seeds` replaces the experiment's default number of seeds; `quick` uses few, and fewer or shorter runs of
     every kind. Every member that is done is stored in `out`/stores, so that the same call continues after an
-    interruption; `fresh` removes what is stored there of this experiment and computes it again. Raises `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
+    interruption; `fresh` removes what is stored there of this experiment and computes it again. `progress` shows a
+    bar in a terminal or a notebook unless it is False; the function `told` is called instead. Raises
+    `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
     range.
 
     Example:
@@ -78,12 +83,19 @@ def perform(
     kind = f"{name}-{'quick' if quick else 'full'}-{count}"
     if fresh:
         remove(folder / STORES / kind)
-    with Lab(folder / STORES / kind, count, quick, workers, told) as lab:
+    shown = reported(progress if told is None else told, name, _told)
+    with shown as report, Lab(folder / STORES / kind, count, quick, workers, report) as lab:
         data = labelled(chosen, chosen.measure(lab), count, quick)
     picture.unlink(missing_ok=True)  # an interruption must not leave an old figure beside new data
     write_table(data, file)
     style.save(chosen.draw(data), picture)
     return Performance(chosen, data, verdict_of(data), file, picture)
+
+
+def _told(label: str, now: SweepProgress) -> tuple[float, str]:
+    """Return the share of a part of an experiment that is done, and its name."""
+    share, words = counted(now.done, now.total)
+    return share, f"{label} {words}"
 
 
 def labelled(chosen: Experiment, data: xarray.Dataset, seeds: int, quick: bool) -> xarray.Dataset:
