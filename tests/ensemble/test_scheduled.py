@@ -64,7 +64,10 @@ def test_lanes_are_refilled_and_members_of_other_programs_wait_for_them():
     for seed, (at, over, radius) in enumerate(((3.0, 0.0, 0.6), (5.5, 2.0, 1.0), (1.0, 4.0, 0.6))):
         where = cy.regions.disc(theta=3.1, z=2.5, radius=radius)
         drug = cy.change(at=at, over=over, alpha_u=0.2 + 0.1 * seed)
-        for steps in ([drug, cy.fragment(at=7.0, where=where)], [drug, cy.change(8.0, kappa=0.0, where=where)]):
+        for steps in (
+            [drug, cy.fragment(at=7.0, where=where)],
+            [drug, cy.change(8.0, kappa=0.0, where=where)],
+        ):
             members.append(member(seed, cy.Protocol(*steps, cy.wash_out(at=9.0 + seed)), alpha_p=0.8))
     alone, shared = (
         follow(members, EnsembleSettings(t_end=12.0, finish="t_end", lanes=lanes)) for lanes in (1, 2)

@@ -109,7 +109,9 @@ def test_what_cannot_be_stored_is_computed_each_time(tmp_path):
 def test_an_experiment_goes_on_with_the_members_that_are_stored(tmp_path):
     items = [(0, 10), (3, 10), (10, 10)]
     told = []
-    with Lab(tmp_path, 1, workers=1, told=lambda label, now: told.append((label, now.done, now.total))) as lab:
+    with Lab(
+        tmp_path, 1, workers=1, told=lambda label, now: told.append((label, now.done, now.total))
+    ) as lab:
         found = lab.each("shares", proportion, items)
         assert found == [proportion(*item) for item in items]
         assert told == [("shares", done, 3) for done in (1, 2, 3)]

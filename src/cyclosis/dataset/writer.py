@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Any
 
 from ..contract.model import Model, TermLike
+from ..display.shown import shown
 from ..dynamics.interrupts import carried
 from ..dynamics.simulate import CHECKPOINT_SECONDS, resume
 from ..dynamics.trajectory import Status, Trajectory
@@ -27,6 +28,7 @@ from .place import check_writable
 from .whole import is_stale, sync_folder, unwritable
 
 
+@shown
 class RunWriter:
     """Streams a run to a file: the `checkpoint` of `simulate`, and `finish` at its end.
 
@@ -68,6 +70,9 @@ class RunWriter:
         except BaseException:
             self.close()
             raise
+
+    def __repr__(self) -> str:
+        return f"RunWriter({str(self.target)!r})"
 
     def _begin(self, continues: bool) -> None:
         for left in self.target.parent.glob(f".{glob.escape(self.target.name)}.*.new"):

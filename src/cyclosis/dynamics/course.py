@@ -14,11 +14,13 @@ import numpy as np
 
 from ..contract.model import Array, Problem
 from ..contract.system import System
+from ..display.shown import shown
 from .advance import FIRST_RUNG, StepperState, start
 from .protocol import Protocol
 from .schedule import Schedule, Stage
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Intervention:
     """What was done to a state at a time: the state just before and just after all steps."""

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..display.shown import shown
 from ..model.definitions import PARAMETERS
 from ..model.errors import InputError, whole
 from ..model.regions import Region
@@ -144,6 +145,7 @@ def wash_out(at: float, *, over: float = 0.0) -> Step:
     return WashOut(at, over)
 
 
+@shown
 @dataclass(frozen=True, init=False)
 class Protocol:
     """Steps in the order of their times (dimensionless, R/U), and the seed of their random numbers.

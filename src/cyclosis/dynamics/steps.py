@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
+from ..display.shown import shown
 from ..model.definitions import PARAMETERS, Definition
 from ..model.errors import InputError, choice, closest
 from ..model.instants import DIGITS, instant
@@ -18,6 +19,7 @@ _BY_NAME = {item.name: item for item in PARAMETERS}
 _NAMES = re.compile(r"[A-Za-z][\w-]*")
 
 
+@shown
 @dataclass(frozen=True)
 class Step:
     """One step of a protocol. Make one with the functions of `protocol`, not with these classes.

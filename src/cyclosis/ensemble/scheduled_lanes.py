@@ -38,7 +38,9 @@ class _Seat:
         assert lanes is not None
         own = lanes.values(self.run.follower.system)
         shapes = tuple((np.shape(leaf), np.asarray(leaf).dtype.str) for leaf in jax.tree.leaves(own))
-        shared = tuple(lanes.shared(end.params, end.grid) for end in self.run.course.ends(self.run.follower.done))
+        shared = tuple(
+            lanes.shared(end.params, end.grid) for end in self.run.course.ends(self.run.follower.done)
+        )
         return shared, jax.tree.structure(self.run.follower.system), shapes
 
 

@@ -135,7 +135,9 @@ class Lab:
         saved = tuple(times) or (t_end,)
 
         def run() -> Trajectory:
-            return simulate(params, grid, state, t_end, save_at=saved, protocol=protocol, progress=False, **settings)
+            return simulate(
+                params, grid, state, t_end, save_at=saved, protocol=protocol, progress=False, **settings
+            )
 
         steps = None if protocol is None else (protocol.as_tables(), protocol.seed)
         cell = (params, grid.shape, grid.length, np.asarray(state))

@@ -11,6 +11,7 @@ import xarray
 from ..dataset import check_writable
 from ..dataset.tables import write_table
 from ..dataset.whole import remove
+from ..display.shown import shown
 from ..figures import style
 from ..model.errors import InputError, whole
 from ..model.reporting import counted, reported
@@ -24,6 +25,7 @@ STORES = "stores"
 """Folder, next to the results, for the sweeps of all experiments."""
 
 
+@shown
 @dataclass(frozen=True)
 class Performance:
     """The results of an experiment: its dataset, its verdict, and the files they were written to.

@@ -18,6 +18,15 @@ from .looks import setting
 from .style import TYPE, WIDTH, blank, colour_key, place
 from .unwrapped import mark_edges, paint_map
 
+__all__ = [
+    "compare",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 # Places in millimetres.
 _MARGIN, _TITLE, _AXIS, _LABEL, _APART, _KEY = 3.0, 12.0, 7.0, 7.0, 5.0, 11.0
 _DIFFERENCE = "berlin"

@@ -20,6 +20,17 @@ from .records import FONTS, draw_records, is_polar, panels
 from .style import DOWN, INK, LEGEND, QUIET, SHADE, UP, WIDTH, mathtext
 from .theory import draw_profiles
 
+__all__ = [
+    "draw_power",
+    "draw_speed",
+    "history",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 _SYMBOLS = {item.name: mathtext(item.symbol) for item in QUANTITIES} | {
     "mean": r"$|\langle\mathbf{P}\rangle|$"
 }

@@ -23,6 +23,37 @@ from ..version import __version__
 from . import looks
 from .looks import setting
 
+__all__ = [
+    "DOWN",
+    "DPI",
+    "INK",
+    "LEGEND",
+    "PAPER",
+    "POLARITY",
+    "QUIET",
+    "SHADE",
+    "SUFFIXES",
+    "TYPE",
+    "UP",
+    "WIDTH",
+    "ZONE",
+    "blank",
+    "colour_key",
+    "marks",
+    "mathtext",
+    "place",
+    "polarity_rgb",
+    "save",
+    "scale_bar",
+    "signed",
+    "state_rgb",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 POLARITY = looks.polarity_map()
 """Colours of P_z from -1 (green) through 0 (nearly black) to 1 (purple), darker for smaller |P_z|."""
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ... import config, models
 from ...contract.model import Coordinate, Model
+from ...display.shown import shown
 from ...model.errors import whole
 from . import axes, step_axes, variables
 from .configuration import UNDECISIVE, Tables, completed, grid_of
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ...ensemble import EnsembleSettings, Member
 
 
+@shown
 @dataclass(frozen=True)
 class Block:
     """The numbers of the members that are computed and stored together.
@@ -41,6 +43,7 @@ class Block:
     members: range
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """A checked sweep: an ensemble of initial states at every point of a grid of parameters.
