@@ -81,11 +81,12 @@ class Notebook:
     every = OFTEN
 
     def __init__(self) -> None:
-        from IPython.display import HTML, display
+        from IPython import display as shown
 
-        self.html: Any = HTML
+        tools: Any = shown
+        self.html = tools.HTML
         self.began = time.monotonic()
-        self.handle: Any = display(HTML(""), display_id=True)
+        self.handle = tools.display(tools.HTML(""), display_id=True)
 
     def show(self, share: float, words: str) -> None:
         """Show that a share is done."""

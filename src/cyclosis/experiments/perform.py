@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +21,7 @@ from ..sweep.cluster.progress import SweepProgress
 from .catalogue import experiment
 from .experiment import Experiment, Verdict
 from .lab import Lab, Told
+from .stored import definition
 
 MOST_SEEDS = 100_000
 STORES = "stores"
@@ -59,8 +62,8 @@ def perform(
 
     `seeds` replaces the experiment's default number of seeds; `quick` uses few, and fewer or shorter runs of
     every kind. Every member that is done is stored in `out`/stores, so that the same call continues after an
-    interruption; `fresh` removes what is stored there of this experiment and computes it again. `progress` shows a
-    bar in a terminal or a notebook unless it is False; the function `told` is called instead. Raises
+    interruption; `fresh` removes what is stored there of this experiment and computes it again. `progress`
+    shows a bar in a terminal or a notebook unless it is False; the function `told` is called instead. Raises
     `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
     range.
 
@@ -90,7 +93,7 @@ def perform(
         data = labelled(chosen, chosen.measure(lab), count, quick)
     picture.unlink(missing_ok=True)  # an interruption must not leave an old figure beside new data
     write_table(data, file)
-    style.save(chosen.draw(data), picture)
+    style.save(style.signed(chosen.draw(data), data), picture)
     return Performance(chosen, data, verdict_of(data), file, picture)
 
 
@@ -106,7 +109,11 @@ def labelled(chosen: Experiment, data: xarray.Dataset, seeds: int, quick: bool) 
     command = f"cyclosis experiment {chosen.name}" + (" --quick" if quick else "")
     if seeds != (chosen.quick_seeds if quick else chosen.seeds):
         command += f" --seeds {seeds}"
+    asked = {"experiment": chosen.name, "seeds": seeds, "quick": quick, "definition": definition()}
+    configuration = json.dumps(asked, sort_keys=True)
     return data.assign_attrs(
+        definition_sha256=definition(),
+        configuration_sha256=hashlib.sha256(configuration.encode()).hexdigest(),
         experiment=chosen.name,
         claim=chosen.claim,
         claim_source=chosen.source,
