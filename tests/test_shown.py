@@ -137,7 +137,7 @@ def test_a_tree_tells_the_range_of_an_array():
 
 
 def public_modules():
-    """Those that are attributes of the package or are imported by their path, and those of the API's pages."""
+    """Attributes of the package, modules imported by their path, and those of the API's pages."""
     yield "cyclosis"
     yield from (f"cyclosis.{name}" for name in ("dataset", "experiments", "fitting"))
     yield from (f"cyclosis.sweep.{name}" for name in ("export", "plan", "store"))

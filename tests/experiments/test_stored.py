@@ -57,7 +57,7 @@ def test_a_stored_value_is_the_same_and_is_not_computed_again(name, tmp_path):
     again = stored.member(str(tmp_path), given, name)
     assert equal(first, VALUES[name])
     assert equal(again, VALUES[name])
-    assert CALLS == [name]
+    assert [name] == CALLS
 
 
 def test_a_damaged_file_counts_as_missing(tmp_path):

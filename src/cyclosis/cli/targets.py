@@ -61,7 +61,7 @@ def write(out: list[Path] | None, draw: Callable[[], Any], numbers: Callable[[],
 
 
 def configuration() -> dict[str, Any]:
-    """Return the command and the options that determine its results, files by the SHA-256 of their content."""
+    """Return the command and what determines its results; files by the SHA-256 of their content."""
     asked = usage.asked()
     return {name: _content(value) for name, value in asked.items() if name not in _NOT_DECISIVE}
 

@@ -1,4 +1,4 @@
-"""How values of this package show themselves: a short text, and a tree in a notebook. Arrays are not listed."""
+"""How values of this package show themselves: a short text, and a tree in a notebook, without arrays."""
 
 from __future__ import annotations
 
@@ -25,10 +25,11 @@ def shown(cls: Class) -> Class:
     A text that a class writes itself is kept, and is shown in notebooks as well.
     """
     made = hasattr(cls, "_fields") or hasattr(cls.__dict__.get("__repr__", cls.__repr__), "__wrapped__")
+    kind: Any = cls
     if made:
-        cls.__repr__ = _text
+        kind.__repr__ = _text
     if "_repr_html_" not in cls.__dict__:
-        cls._repr_html_ = _branches if made else _written
+        kind._repr_html_ = _branches if made else _written
     return cls
 
 

@@ -138,7 +138,7 @@ def _advance(
 
     own = how.values(systems)
     new = jax.vmap(one)(own, control.bound, nows, targets)
-    signs = jax.vmap(lambda values, now: how.signs(how.with_values(systems, values), now.spectrum))
+    signs: Any = jax.vmap(lambda values, now: how.signs(how.with_values(systems, values), now.spectrum))
     return new, signs(own, new)
 
 

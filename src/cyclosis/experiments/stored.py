@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from io import BytesIO
@@ -45,10 +46,8 @@ def member(folder: str, function: Callable[..., Any], *item: Any) -> Any:
     found = _read(target)
     if found is None:
         value = function(*item)
-        try:
+        with suppress(Unstorable):
             write(target, _sealed(value))
-        except Unstorable:
-            pass
         return value
     return found[0]
 

@@ -32,9 +32,11 @@ def __dir__() -> list[str]:
 
 # Places in millimetres.
 _MARGIN, _TITLE, _AXIS, _LABEL, _APART, _KEY = 3.0, 12.0, 7.0, 7.0, 5.0, 11.0
+_LEAST_KEY = 11.0
 _HOW: dict[str, Any] = {"cmap": "berlin", "origin": "lower", "interpolation": "bilinear"}
 """The difference has other colours than P_z, dark at zero too, and safe for all colour vision."""
-_SMALL, _SMALL_BELOW = {"font.size": 7.5, "xtick.labelsize": 7.0, "ytick.labelsize": 7.0}, 120.0
+_SMALL = {"font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7.0, "ytick.labelsize": 7.0}
+_SMALL_BELOW = 120.0
 """Type of figures narrower than so many millimetres."""
 
 _Drawn = tuple[Any, float, str, float]
@@ -97,7 +99,7 @@ def compare(
             if k:
                 ax.set_yticklabels([])
             left += room + _APART
-        cell.key(place(figure, left - _APART + 3.0, _AXIS, 3.0, high - 5.0))
+        cell.key(place(figure, left - _APART + 3.0, _AXIS, 3.0, max(high - 5.0, _LEAST_KEY)))
         left += _KEY
         ax = place(figure, left, _AXIS, room, high)
         image, most, text, low = difference(ax, looks)
@@ -105,7 +107,7 @@ def compare(
         ax.set_yticklabels([])
         ax.set_xlabel(cell.across, labelpad=-6.0)
         ax.set_title(r"$\langle|\Delta\mathbf{P}|^2\rangle^{1/2}$" + f" = {text}", fontsize=size, pad=4.0)
-        _key(figure, image, (left + room + 2.5, _AXIS, 3.0, high - 5.0), (low, most), cell)
+        _key(figure, image, (left + room + 2.5, _AXIS, 3.0, max(high - 5.0, _LEAST_KEY)), (low, most), cell)
         return figure
 
 

@@ -21,7 +21,7 @@ from .style import INK, LEGEND, TYPE, blank, mathtext, place
 _LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
 COLUMNS, WIDE, NARROWEST = 3, 120.0, 80.0
 """Panels side by side in a figure of at least so many millimetres. Narrower ones have two."""
-_NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT, _NARROW_BELOW = 11.0, 12.0, 25.0, 8.0
+_NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT, _NARROW_BELOW, _NARROW_LABEL = 11.0, 12.0, 25.0, 8.0, 7.8
 _NARROW_ROW = _NARROW_HEIGHT + _ABOVE + _NARROW_BELOW
 SPEEDS = ("peak_speed", "rms_speed", "net_flux")
 """Recorded quantities that are speeds."""
@@ -68,15 +68,15 @@ class Panels:
         """Add the panel in a row and a column."""
         up = self.rows - 1 - row
         if self.stacked:
-            start, gap, high, label = _LEFT, _GAP, _HEIGHT, 0.2
+            start, gap, high = _LEFT, _GAP, _HEIGHT
             bottom = _BELOW + up * (_HEIGHT + _ABOVE)
         else:
-            start, gap, high, label = _NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT, 0.24
+            start, gap, high = _NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT
             bottom = _NARROW_BELOW + up * _NARROW_ROW
         across = (self.width - start - _RIGHT - (self.columns - 1) * gap) / self.columns
         ax = place(self.figure, start + column * (across + gap), bottom, across, high)
         ax.spines[["top", "right"]].set_visible(False)
-        ax.yaxis.set_label_coords(-label, 0.5)
+        ax.yaxis.set_label_coords(-0.2 if self.stacked else -_NARROW_LABEL / across, 0.5)
         return ax
 
     def pairs(self) -> list[list[Any]]:

@@ -92,7 +92,7 @@ class System:
 
     @property
     def varying(self) -> tuple[Values, Ramp | None]:
-        """What cells of one shape and one flow operator differ in: the values, and how they change in time."""
+        """What differs between cells of one shape and one flow operator: values, and their ramps."""
         return self.values, self.ramp
 
     def with_varying(self, varying: tuple[Values, Ramp | None]) -> System:

@@ -45,7 +45,7 @@ def setting(name: str, steps: Any) -> Definition:
 
 
 def written(given: Any) -> Steps:
-    """Return the steps of a configuration as copies of their tables. Raises `InputError` for anything else."""
+    """Return the steps of a configuration, copied. Raises `InputError` for anything but tables."""
     if not isinstance(given, list | tuple) or not all(isinstance(step, Mapping) for step in given):
         raise InputError(TABLE, given, "a list of tables", "write [[protocol]] above each step")
     return [copy.deepcopy(dict(step)) for step in given]
