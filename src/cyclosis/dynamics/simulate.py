@@ -74,8 +74,8 @@ def simulate(
     in a terminal or a notebook unless it is False; a function is called with a `Snapshot` a few times a
     second. Neither changes a result. `checkpoint` gets the run so far at the start and then every
     `checkpoint_seconds`, which changes no step; a file writer for it is `cyclosis.RunWriter`. `provenance` is
-    kept with the run; a file keeps only its `initial`. `scales` are kept too, so that figures, summaries and exports of the run are in
-    micrometres and seconds; they change no result.
+    kept with the run; a file keeps only its `initial`. `scales` are kept too, so that figures, summaries and
+    exports of the run are in micrometres and seconds; they change no result.
 
     Ctrl-C, or a KeyboardInterrupt raised by `progress`, stops the run at its next safe point: `checkpoint`
     gets the run so far, and KeyboardInterrupt is raised with that run as its attribute `run`, of status
