@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable
 from html import escape
+from importlib import import_module
 from typing import Any, Protocol
 
 OFTEN, SELDOM = 0.2, 60.0
@@ -81,9 +82,7 @@ class Notebook:
     every = OFTEN
 
     def __init__(self) -> None:
-        from IPython import display as shown
-
-        tools: Any = shown
+        tools: Any = import_module("IPython.display")
         self.html = tools.HTML
         self.began = time.monotonic()
         self.handle = tools.display(tools.HTML(""), display_id=True)

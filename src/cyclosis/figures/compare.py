@@ -131,9 +131,8 @@ def _cylinders(first: xarray.Dataset, second: xarray.Dataset) -> _Pair:
     grid = grids[0]
 
     def alike(P: Array, u: Array) -> Look:
-        return (
-            Look(P, u) if P.shape[1:] == grid.shape else Look(*(interpolate(x, grid.shape) for x in (P, u)))
-        )
+        same = P.shape[1:] == grid.shape
+        return Look(P, u) if same else Look(interpolate(P, grid.shape), interpolate(u, grid.shape))
 
     def draw(ax: Any, looks: Sequence[Look]) -> _Drawn:
         difference = looks[0].P - looks[1].P

@@ -29,9 +29,9 @@ Steps = list[dict[str, Any]]
 _KINDS = ("number",)
 
 
-def is_step_axis(name: str) -> bool:
+def is_step_axis(name: Any) -> bool:
     """Return whether an axis is over the steps of a protocol."""
-    return name.startswith(PREFIX)
+    return isinstance(name, str) and name.startswith(PREFIX)
 
 
 def place(name: str) -> str | None:
