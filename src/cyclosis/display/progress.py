@@ -63,7 +63,8 @@ class Terminal:
 
         columns = (BarColumn(bar_width=24), TextColumn("{task.description}"), TimeElapsedColumn())
         left = (TextColumn("left"), TimeRemainingColumn(compact=True))
-        self.bar = Progress(*columns, *left, console=Console(stderr=True), transient=True)
+        how: Any = {"transient": True, "refresh_per_second": 2}  # each costs about a millisecond
+        self.bar = Progress(*columns, *left, console=Console(stderr=True), **how)
         self.task = self.bar.add_task("", total=1.0)
         self.bar.start()
 
