@@ -25,7 +25,7 @@ from cyclosis.experiments.experiment import OUTCOMES
 from cyclosis.model.definitions import TABLES, Definition
 from cyclosis.model.definitions import option as option_name
 from cyclosis.model.filaments import TERMS
-from cyclosis.model.interventions import ACTIONS, AT, SHAPES
+from cyclosis.model.interventions import ACTIONS, AT, NAME, SHAPES
 from cyclosis.models import polar
 from cyclosis.sweep.plan import definitions as sweeps
 from cyclosis.sweep.plan.variables import field, standard
@@ -57,6 +57,7 @@ def _protocols() -> str:
     out += "besides `action`. `change` also\ntakes the names and values of [parameters].\n\n"
     out += "| action | does | key | meaning | allowed | default |\n|---|---|---|---|---|---|\n"
     out += f"| any | | `{AT.name}` | {AT.meaning} | {AT.rule} | - |\n"
+    out += f"| | | `{NAME.name}` | {NAME.meaning} | a letter, then letters, digits, - and _ | - |\n"
     for name, action in ACTIONS.items():
         head = f"| `{name}` | {action.meaning} |"
         if action.regional:
@@ -87,6 +88,7 @@ def _sweep() -> str:
     )
     out += "without `seed`,\nand these.\n"
     out += "\n### [axes]\n\nA key is one of " + ", ".join(f"`{name}`" for name in sweeps.AXES)
+    out += ", or\n[`protocol.STEP.KEY`](sweeps.md#axes-over-a-protocol)"
     out += "; each is a table of\n\n" + _plain_table(sweeps.AXIS)
     for name in ("ensemble", "run", "record"):
         out += f"\n### [{name}] of a sweep\n\n" + _plain_table(sweeps.TABLES[name])

@@ -88,6 +88,7 @@ def test_theory(cyclosis, name, suffix):
     cyclosis("stability", name, *THEORY[name], "--out", out)
     if suffix == "png":
         drawn(out)
+        assert re.fullmatch("configuration_sha256 [0-9a-f]{64}", mark(out))
     else:
         with xarray.open_dataset(out, engine="h5netcdf") as data:
             assert data.data_vars
@@ -99,4 +100,19 @@ def test_an_experiment(cyclosis):
     assert re.search("AGREES|IN PART|DOES NOT", told)
     drawn("out/timescales.png")
     with xarray.open_dataset("out/timescales.nc", engine="h5netcdf") as data:
+        assert mark("out/timescales.png") == f"configuration_sha256 {data.attrs['configuration_sha256']}"
         assert data.attrs["measured"].split()[0] in told
+
+
+def test_the_digest_of_a_picture_is_that_of_what_determines_it(cyclosis):
+    asked = {"a": [], "b": [], "c": ["--alpha-u", 0.4]}
+    for name, options in asked.items():
+        cyclosis("stability", "dispersion", *options, "--out", f"{name}.png")
+    marks = [mark(f"{name}.png") for name in asked]
+    assert marks[0] == marks[1] != marks[2]
+
+
+def mark(path):
+    """What a picture says it was drawn from."""
+    with PIL.Image.open(path) as picture:
+        return picture.text["Description"]

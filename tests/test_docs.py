@@ -131,7 +131,18 @@ def timed(pages):
     ]
 
 
-LONG = ("scan.md", "gpu.md", "diagnostic.md", "kinetic.md", "closed.md", "protocols.md", "numerics.md")
+LONG = (
+    "biologist.md",
+    "student.md",
+    "teacher.md",
+    "scan.md",
+    "gpu.md",
+    "diagnostic.md",
+    "kinetic.md",
+    "closed.md",
+    "protocols.md",
+    "numerics.md",
+)
 """Pages with code that takes long."""
 
 

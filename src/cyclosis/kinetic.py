@@ -27,3 +27,29 @@ from .stability.kinetic.dispersion import dispersion as dispersion
 from .stability.kinetic.modes import KineticModes as KineticModes
 from .stability.kinetic.travelling import TravellingState as TravellingState
 from .stability.kinetic.travelling import travelling_state as travelling_state
+
+__all__ = [
+    "KineticBranch",
+    "KineticDispersion",
+    "KineticModes",
+    "NematicThresholds",
+    "TravellingState",
+    "continuation",
+    "density",
+    "disordered",
+    "dispersion",
+    "dressed",
+    "growth_rates",
+    "kinetic_model",
+    "moments",
+    "nematic",
+    "order",
+    "thresholds",
+    "travelling_state",
+    "uniform_state",
+    "with_noise",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

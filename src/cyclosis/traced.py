@@ -28,6 +28,17 @@ from .model.spectral import pack, unpack
 from .model.system import System
 from .model.system import system as system_of
 
+__all__ = [
+    "flow",
+    "rate_of_change",
+    "rollout",
+    "system_of",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 @traced_door
 def flow(

@@ -57,6 +57,43 @@ def test_an_outcome_does_not_depend_on_company_order_or_lanes():
     assert same(together[3], follow([plain], HOW)[0]), "a neighbour with a protocol changes nothing"
 
 
+@pytest.mark.slow
+def test_lanes_are_refilled_and_members_of_other_programs_wait_for_them():
+    """Ramps, fields and jumps have programs of their own, and every member reaches them at its own time."""
+    members = []
+    for seed, (at, over, radius) in enumerate(((3.0, 0.0, 0.6), (5.5, 2.0, 1.0), (1.0, 4.0, 0.6))):
+        where = cy.regions.disc(theta=3.1, z=2.5, radius=radius)
+        drug = cy.change(at=at, over=over, alpha_u=0.2 + 0.1 * seed)
+        for steps in (
+            [drug, cy.fragment(at=7.0, where=where)],
+            [drug, cy.change(8.0, kappa=0.0, where=where)],
+        ):
+            members.append(member(seed, cy.Protocol(*steps, cy.wash_out(at=9.0 + seed)), alpha_p=0.8))
+    alone, shared = (
+        follow(members, EnsembleSettings(t_end=12.0, finish="t_end", lanes=lanes)) for lanes in (1, 2)
+    )
+    assert all(same(a, b) for a, b in zip(alone, shared, strict=True))
+
+
+@pytest.mark.slow
+def test_a_member_that_fails_in_a_lane_leaves_it_to_the_next():
+    grid = cy.CylinderGrid(8, 8, 5.0)
+    wild, calm = (
+        Member(
+            cy.Parameters(epsilon=10.0),
+            grid,
+            partial(cy.initial.disordered, grid, 10, 0),
+            cy.Protocol(cy.change(at=5.0, alpha_u=strength, mu=0.0)),
+        )
+        for strength in (1000.0, 0.5)
+    )
+    how = EnsembleSettings(t_end=20.0, finish="t_end", lanes=2)
+    found = follow([wild, calm, wild], how)
+    assert [one.status for one in found] == [follow([each], how)[0].status for each in (wild, calm, wild)]
+    assert found[0].status in ("diverged", "underresolved")
+    assert same(found[0], found[2])
+
+
 def test_every_seed_has_its_own_noise():
     start = partial(cy.initial.stripes, GRID)
     members = [

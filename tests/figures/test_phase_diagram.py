@@ -377,3 +377,17 @@ def test_no_limits_of_stripes_are_drawn_over_what_they_depend_on_unknown(name):
     names = [line.name for line in thresholds.thresholds(cy.Parameters(), axes)]
     assert thresholds.STABLE not in names
     assert thresholds.EXISTS not in names
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("protocol.wash.at", "time of wash"),
+        ("protocol.2.over", "duration of 2"),
+        ("protocol.wound.where.radius", "radius of wound"),
+        ("protocol.drug.alpha_u", "α_u of drug"),
+        ("alpha_u", "$α_u$"),
+    ],
+)
+def test_axes_over_a_protocol_are_named_in_words(name, label):
+    assert swept.axis(name, [0.1, 0.2]).symbol == label

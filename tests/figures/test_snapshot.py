@@ -85,6 +85,29 @@ def test_two_runs_are_compared_on_one_grid(run):
         compare(run.to_dataset(), longer)
 
 
+@pytest.mark.slow
+def test_two_closed_cells_are_compared():
+    """The size of the difference is that over the surface."""
+    grid = cy.ClosedGrid(cy.Capsule(3.0), k_max=8)
+    state = cy.closed.swirl(grid, magnitude=0.5)
+    one = cy.simulate(cy.Parameters(), grid, state, t_end=0.001, save_every=0.001).to_dataset()
+    sizes = []
+    for second in (one, one.assign(P=-one["P"])):
+        figure = compare(one, second, 0.0)
+        assert len(figure.axes) == 5
+        assert inside(figure)
+        sizes.append(float(figure.axes[3].get_title().split("= ")[1]))
+    expected = 2 * np.sqrt(grid.mean(np.sum(one["P"].values[0] ** 2, axis=0)))
+    assert sizes == pytest.approx([0.0, expected], rel=0.02)
+    cylinder = cy.simulate(cy.Parameters(), cy.CylinderGrid(16, 16), np.zeros((2, 16, 16)), 0.1).to_dataset()
+    longer = one.assign_attrs(
+        configuration=one.attrs["configuration"].replace('"length": 3.0', '"length": 4.0')
+    )
+    for first, second in ((one, cylinder), (cylinder, one), (one, longer)):
+        with pytest.raises(cy.InputError):
+            compare(first, second)
+
+
 def test_pictures_of_every_format_name_the_configuration(file, tmp_path):
     with cy.open_dataset(file) as data:
         mark = data.attrs["configuration_sha256"]

@@ -30,6 +30,22 @@ from ..model.system import System
 from ..model.system import system as system_of
 from .plain import plain as _plain
 
+__all__ = [
+    "QUANTITIES",
+    "TAIL_FRACTION",
+    "Quantity",
+    "diagnose",
+    "measure",
+    "spectra",
+    "system_of",
+    "tail",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 TAIL_FRACTION = 2.0 / 3.0
 """The spectral tail is beyond this fraction of the resolved wavenumbers, in either direction."""
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.closures import PAPER
 from ..model.doors import door
 from ..model.filaments import TermLike
@@ -35,6 +36,7 @@ TRANSLATION = 0.9
 """Share of |dP/dt|² that a rigid drift must explain for a state to count as travelling."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Regime:
     """What a state is, and the numbers that show it (all dimensionless).

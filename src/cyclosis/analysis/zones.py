@@ -8,10 +8,31 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import STATE_DIMS, numbers, series
 from ..model.doors import door
 from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid, resolved, sign_changes
+
+__all__ = [
+    "DISORDER",
+    "DOMINANT",
+    "GRAIN",
+    "REACH",
+    "Zone",
+    "contrast",
+    "crossings",
+    "indifferent_zones",
+    "stripe_widths",
+    "weight",
+    "zone_angles",
+    "zones_of",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 DISORDER = 0.05
 """Order <|P|²>^½ below which a state counts as disordered; 1000 filaments give noise of 0.032."""
@@ -72,6 +93,7 @@ def zones_of(P: Array) -> Array:
     return zone_angles(state[1].mean(axis=1))
 
 
+@shown
 @dataclass(frozen=True)
 class Zone:
     """One closed or winding line P_z = 0 on the periodic surface; angles in radians, lengths in radii.

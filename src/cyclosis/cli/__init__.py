@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from ..display.progress import leave_to_the_command
 from ..model.errors import InputError
 from ..model.forks import ForkedError
 from ..version import __version__
@@ -83,6 +84,7 @@ def _options(
 def main() -> None:
     """Run the command line; every failure is one sentence and an exit code, never a traceback."""
     terminal.settle()
+    leave_to_the_command()
     try:
         code = app(prog_name="cyclosis", standalone_mode=False)
         if sys.stdout is not None:

@@ -58,5 +58,5 @@ def compare(
         else:
             from ..figures import style
 
-            style.save(found.figure(), target)
+            style.save(style.signed(found.figure(), targets.configuration()), target)
         print(f"saved {target}")

@@ -28,6 +28,9 @@ def experiment(
     workers: Annotated[
         int | None, typer.Option(metavar="WHOLE", min=1, help="Processes; by default one per core.")
     ] = None,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Compute all members again, also those that are stored.")
+    ] = False,
     out: Annotated[
         Path,
         typer.Option(
@@ -57,7 +60,7 @@ def experiment(
     for each in NAMES if name == "all" else (name,):
         try:
             with terminable():
-                done.append(perform(each, out, seeds, quick, workers, force, progress))
+                done.append(perform(each, out, seeds, quick, workers, force, progress, fresh))
         except KeyboardInterrupt as stopped:
             typer.echo(f"{each} was interrupted; the same command continues from there.", err=True)
             raise typer.Exit(130) from stopped

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..model.errors import InputError
+from . import targets
 
 if TYPE_CHECKING:
     from ..observations import Observation
@@ -95,7 +96,8 @@ def write(target: Path, seen: Observation, data: Any, image: Path | None, depth_
     from ..observations.picture import picture
 
     shown = seen.image if seen.format == "film" and seen.kind == "velocity" else None
-    style.save(measured.measurement(seen, data, shown if image is None else picture(image), depth_um), target)
+    drawn = measured.measurement(seen, data, shown if image is None else picture(image), depth_um)
+    style.save(style.signed(drawn, targets.configuration()), target)
 
 
 def numbers(name: str, text: str | None, count: int | None = None) -> list[float] | None:

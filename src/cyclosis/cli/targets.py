@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
 from collections.abc import Callable
@@ -9,11 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from ..model.errors import InputError
+from . import usage
 
 RUN = (".nc", ".nc4", ".h5")
 FIGURE = (".png", ".pdf", ".svg", ".eps")
 MOVIE = (".mp4", ".gif")
 THEORY = (*FIGURE, ".nc", ".csv")
+_NOT_DECISIVE = ("out", "force", "quiet", "json_lines")
 
 
 def check(target: Path, force: bool, suffixes: tuple[str, ...]) -> None:
@@ -53,8 +56,21 @@ def write(out: list[Path] | None, draw: Callable[[], Any], numbers: Callable[[],
         else:
             from ..figures import style
 
-            style.save(draw(), target)
+            style.save(style.signed(draw(), configuration()), target)
         print(f"saved {target}")
+
+
+def configuration() -> dict[str, Any]:
+    """Return the command and what determines its results; files by the SHA-256 of their content."""
+    asked = usage.asked()
+    return {name: _content(value) for name, value in asked.items() if name not in _NOT_DECISIVE}
+
+
+def _content(value: Any) -> Any:
+    if isinstance(value, Path) and value.is_file():
+        with value.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    return value
 
 
 def _listed(names: tuple[str, ...]) -> str:

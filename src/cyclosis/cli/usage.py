@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextvars import ContextVar
 from itertools import pairwise
 from typing import Any
 
@@ -18,8 +19,21 @@ OUTPUT = "Output"
 """The group of options about what is written and printed."""
 
 
+_asked: ContextVar[dict[str, Any]] = ContextVar("asked")
+
+
+def asked() -> dict[str, Any]:
+    """Return the command that is running, by its name, and the values of its options."""
+    return _asked.get()
+
+
 class Command(TyperCommand):
     """A command whose options never take another option as their value, and whose help is grouped."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command, and remember what was asked."""
+        _asked.set({"command": " ".join(ctx.command_path.split()[1:]), **ctx.params})
+        return super().invoke(ctx)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments of a command line. Raises `InputError` for a value that is not allowed."""

@@ -157,7 +157,7 @@ def vacuole(
             compared(flow, pitch)
         _prepare(folder, names, force)
         for name in drawn:
-            style.save(FIGURES[name](flow, P, place, pitch), folder / name)
+            style.save(style.signed(FIGURES[name](flow, P, place, pitch), data), folder / name)
             print(f"saved {folder / name}")
         if volume:
             dataset.write_table(flow.to_dataset(), folder / "volume.nc")

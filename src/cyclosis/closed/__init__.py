@@ -20,3 +20,23 @@ from .initial import with_noise as with_noise
 from .shapes import Capsule as Capsule
 from .shapes import Sphere as Sphere
 from .shapes import Spheroid as Spheroid
+
+__all__ = [
+    "Capsule",
+    "ClosedGrid",
+    "Defect",
+    "Sphere",
+    "Spheroid",
+    "defects",
+    "disordered",
+    "from_vectors",
+    "noise",
+    "rotation",
+    "source_to_sink",
+    "swirl",
+    "with_noise",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

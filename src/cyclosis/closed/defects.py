@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.spectral import pack
 from .grid import Array, ClosedGrid
@@ -18,6 +19,7 @@ STEPS = 8
 """Newton steps to the place of a defect from the middle of the square that holds it."""
 
 
+@shown
 @dataclass(frozen=True)
 class Defect:
     """A point where a vector field vanishes and around which it turns `index` times.

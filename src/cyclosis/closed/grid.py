@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import vectors
 from ..model.errors import InputError, number, whole
 from ..model.spectral import pack
@@ -24,6 +25,7 @@ PADDING = 2.0
 """Points in each direction over the least that hold the harmonics: products are formed on the points."""
 
 
+@shown
 @dataclass(frozen=True)
 class ClosedGrid:
     """Points on a closed surface of revolution, with the harmonics that it resolves.

@@ -17,6 +17,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.errors import InputError, choice, number
 
 Array = npt.NDArray[np.float64]
@@ -46,6 +47,7 @@ class Meridian(NamedTuple):
     k_theta: Array
 
 
+@shown
 @dataclass(frozen=True)
 class Spheroid:
     """A spheroid of equatorial radius 1 and half height `aspect`: r = sin τ, z = -aspect cos τ.
@@ -99,6 +101,7 @@ class Spheroid:
         return {"kind": self.kind, "aspect": self.aspect}
 
 
+@shown
 @dataclass(frozen=True)
 class Sphere:
     """A sphere of radius 1: a droplet. Dimensionless.
@@ -125,6 +128,7 @@ class Sphere:
         return {"kind": self.kind}
 
 
+@shown
 @dataclass(frozen=True)
 class Capsule:
     """A capsule: a straight part of the given `length` between two rounded ends, of largest radius 1.

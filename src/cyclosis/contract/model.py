@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from ..display.shown import shown
+
 if TYPE_CHECKING:
     from .members import Lanes, Starts, Variable
     from .system import System
@@ -19,6 +21,7 @@ TermLike = Any
 """A term as a user gives it: a name, a term of the model, or a custom function."""
 
 
+@shown
 @dataclass(frozen=True)
 class Quantity:
     """One number of a state: its name, symbol, further dimensions, unit, meaning, and function.
@@ -57,6 +60,7 @@ class Stored:
     dtype: str = FIELD
 
 
+@shown
 @dataclass(frozen=True)
 class Coordinate:
     """The values along a dimension of what is stored, and their meaning."""
@@ -99,6 +103,7 @@ class Problem:
         return replace(self, params=params)
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Model:
     """One physics: data, and functions of a `Problem`. `cyclosis.models` lists those there are.

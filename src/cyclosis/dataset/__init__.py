@@ -18,3 +18,22 @@ from .tables import write_table as write_table
 from .vtk import export_vtk as export_vtk
 from .writer import RunWriter as RunWriter
 from .writer import resume_file as resume_file
+
+__all__ = [
+    "RunWriter",
+    "check_writable",
+    "export_run",
+    "export_vtk",
+    "load",
+    "open_dataset",
+    "resume_file",
+    "run_table",
+    "to_dataset",
+    "with_scales",
+    "write",
+    "write_table",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -6,18 +6,19 @@ import contextlib
 import glob
 import os
 import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from ..contract.model import Model, TermLike
+from ..display.shown import shown
 from ..dynamics.interrupts import carried
-from ..dynamics.run import Snapshot
 from ..dynamics.simulate import CHECKPOINT_SECONDS, resume
 from ..dynamics.trajectory import Status, Trajectory
 from ..model.doors import door
 from ..model.errors import InputError
+from ..model.reporting import Progress
 from .contents import Contents, of_trajectory
 from .convert import load
 from .netcdf import damaged, joined, read_contents, write_contents
@@ -27,6 +28,7 @@ from .place import check_writable
 from .whole import is_stale, sync_folder, unwritable
 
 
+@shown
 class RunWriter:
     """Streams a run to a file: the `checkpoint` of `simulate`, and `finish` at its end.
 
@@ -68,6 +70,9 @@ class RunWriter:
         except BaseException:
             self.close()
             raise
+
+    def __repr__(self) -> str:
+        return f"RunWriter({str(self.target)!r})"
 
     def _begin(self, continues: bool) -> None:
         for left in self.target.parent.glob(f".{glob.escape(self.target.name)}.*.new"):
@@ -231,7 +236,7 @@ def resume_file(
     *,
     terms: Iterable[TermLike] | None = None,
     model: Model | None = None,
-    progress: Callable[[Snapshot], None] | None = None,
+    progress: Progress = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
 ) -> Trajectory:
     """Continue the run in a file, finished or interrupted, to `t_end`; the file then holds the whole run.

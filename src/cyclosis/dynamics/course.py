@@ -14,11 +14,13 @@ import numpy as np
 
 from ..contract.model import Array, Problem
 from ..contract.system import System
+from ..display.shown import shown
 from .advance import FIRST_RUNG, StepperState, start
 from .protocol import Protocol
 from .schedule import Schedule, Stage
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Intervention:
     """What was done to a state at a time: the state just before and just after all steps."""
@@ -48,14 +50,20 @@ class Course:
     def system(self, done: int) -> System:
         """Return the active system once `done` events are done."""
         if self._kept is None or self._kept[0] != done:
-            stage = self.schedule.stages[done]
-            model, first = self.problem.model, self._at(stage, stage.first)
+            stage, model = self.schedule.stages[done], self.problem.model
+            first, last = self.ends(done)
             if stage.moving:
-                made = model.ramped(first, self._at(stage, stage.last), stage.moving, self.split)
+                made = model.ramped(first, last, stage.moving, self.split)
             else:
                 made = model.system(first, self.split)
             self._kept = (done, made)
         return self._kept[1]
+
+    def ends(self, done: int) -> tuple[Problem, Problem]:
+        """Return the problems at the beginnings and the ends of the ramps once `done` events are done."""
+        stage = self.schedule.stages[done]
+        first = self._at(stage, stage.first)
+        return first, self._at(stage, stage.last) if stage.moving else first
 
     def intervene(self, now: StepperState, event: int) -> tuple[StepperState, Intervention | None]:
         """Return a run after an event at the time reached, and what was done to its state, if anything.

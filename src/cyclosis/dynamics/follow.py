@@ -21,6 +21,7 @@ MOST_STEPS = 4096
 class Follower:
     """A running integration: the stepper's state (`now`), the events done, and the system since the last.
 
+    `active` is what controls the steps until the next event.
     It computes in stretches of `steps` steps; with `seconds` their number is adapted so that a stretch takes
     about that long. A run may become steady only once the protocol has nothing more to do. Call in double
     precision (`cyclosis.model.precision.double`).
@@ -53,7 +54,7 @@ class Follower:
         self.done, self.system = done, jax.device_put(self.course.system(done))
         self.note: Intervention | None = None
         rate = self.control.steady_rate if done == len(self.course.times) else np.float64(NEVER)
-        self._active = self.control._replace(steady_rate=rate, bound=self.course.bound(done))
+        self.active = self.control._replace(steady_rate=rate, bound=self.course.bound(done))
 
     @property
     def t(self) -> float:
@@ -86,7 +87,7 @@ class Follower:
         """Compute one stretch towards a time, which is hit exactly."""
         began = clock.perf_counter()
         self.now = advance(
-            self.system, self._active, self.now, np.float64(target), np.int64(self.steps), self.method
+            self.system, self.active, self.now, np.float64(target), np.int64(self.steps), self.method
         )
         self.now.t.block_until_ready()
         if self.seconds is not None:

@@ -9,10 +9,13 @@ from typing import IO, Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
+
 MEMORY_LIMIT = 256 * 2**20
 """Bytes of frames that are kept in memory before all go to a temporary file."""
 
 
+@shown
 class Frames:
     """A growing sequence of arrays of one shape and type, read back one by one.
 
@@ -28,6 +31,9 @@ class Frames:
         self._memory: list[npt.NDArray[Any]] = []
         self._file: IO[bytes] | None = None
         self._count = 0
+
+    def __repr__(self) -> str:
+        return f"Frames({len(self)} of shape {self.shape}, {self.dtype})"
 
     def append(self, frame: npt.NDArray[Any]) -> None:
         """Store a copy of `frame` at the end."""

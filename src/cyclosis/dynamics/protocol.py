@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..display.shown import shown
 from ..model.definitions import PARAMETERS
 from ..model.errors import InputError, whole
 from ..model.regions import Region
@@ -144,6 +145,7 @@ def wash_out(at: float, *, over: float = 0.0) -> Step:
     return WashOut(at, over)
 
 
+@shown
 @dataclass(frozen=True, init=False)
 class Protocol:
     """Steps in the order of their times (dimensionless, R/U), and the seed of their random numbers.
@@ -233,7 +235,8 @@ class Protocol:
     def __repr__(self) -> str:
         marks = ["├─"] * (len(self) - 1) + ["└─"]
         lines = (f"{mark} {step}" for mark, step in zip(marks, self.steps, strict=False))
-        return "\n".join([f"Protocol: {len(self)} steps, seed {self.seed}", *lines])
+        steps = "1 step" if len(self) == 1 else f"{len(self)} steps"
+        return "\n".join([f"Protocol: {steps}, seed {self.seed}", *lines])
 
 
 def _seeded(steps: list[Step]) -> tuple[Step, ...]:

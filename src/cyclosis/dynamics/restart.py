@@ -9,9 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from .advance import StepperState
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Restart:
     """The stepper's whole state, and what the run has found so far.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..contract.model import Array
+from ..display.shown import shown
 from ..model.instants import instant
 from ..model.precision import dtypes
 from .advance import NEVER, USUAL_STEP, Control
@@ -27,6 +28,7 @@ from .watch import Watch
 CHUNK_SECONDS = 0.2
 
 
+@shown
 @dataclass(frozen=True)
 class Snapshot:
     """What a progress callback gets: the time reached, the end, the state, and the seconds spent.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display.shown import shown
 from ..model.definitions import RUN, defaults
 from ..model.errors import InputError
 from ..model.grid import Array
@@ -17,6 +18,7 @@ _DEFAULT = defaults("run")
 MAX_FRAMES = 1_000_000
 
 
+@shown
 @dataclass(frozen=True)
 class Settings:
     """Settings of `simulate`, checked against `cyclosis.model.definitions.RUN`.

@@ -14,6 +14,7 @@ from ..model.doors import door
 from ..model.errors import InputError
 from ..model.instants import instant
 from ..model.precision import double
+from ..model.reporting import Progress, reported
 from ..model.scales import Scales
 from ..model.units import table_of
 from ..model.wording import beside
@@ -39,7 +40,7 @@ def simulate(
     model: Model | None = None,
     protocol: Protocol | Iterable[Step] | None = None,
     terms: Iterable[TermLike] | None = None,
-    progress: Callable[[Snapshot], None] | None = None,
+    progress: Progress = None,
     checkpoint: Callable[[Trajectory], None] | None = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
     provenance: Mapping[str, Any] | None = None,
@@ -69,11 +70,12 @@ def simulate(
     only once the protocol is finished.
 
     `terms` selects terms by name and may contain custom ones, `term(t, P, u, params, grid)`, or
-    `term(t, m, u, params, grid)` of the moments in the kinetic model. `progress` is called a few times a
-    second. `checkpoint` gets the run so far at the start and then every `checkpoint_seconds`, which changes
-    no step; a file writer for it is `cyclosis.RunWriter`. `provenance` is kept with the run; a file keeps
-    only its `initial`. `scales` are kept too, so that figures, summaries and exports of the run are in
-    micrometres and seconds; they change no result.
+    `term(t, m, u, params, grid)` of the moments in the kinetic model. `progress` shows a bar
+    in a terminal or a notebook unless it is False; a function is called with a `Snapshot` a few times a
+    second. Neither changes a result. `checkpoint` gets the run so far at the start and then every
+    `checkpoint_seconds`, which changes no step; a file writer for it is `cyclosis.RunWriter`. `provenance` is
+    kept with the run; a file keeps only its `initial`. `scales` are kept too, so that figures, summaries and
+    exports of the run are in micrometres and seconds; they change no result.
 
     Ctrl-C, or a KeyboardInterrupt raised by `progress`, stops the run at its next safe point: `checkpoint`
     gets the run so far, and KeyboardInterrupt is raised with that run as its attribute `run`, of status
@@ -116,9 +118,8 @@ def simulate(
     origin = dict(provenance or {}) | {"initial_sha256": hashlib.sha256(P.tobytes()).hexdigest()}
     if scales is not None:
         origin["scales"] = table_of(scales)
-    with double():
-        run = Run(course, how, origin, progress, checkpoint, checkpoint_seconds)
-        return run.begin(P)
+    with double(), reported(progress, "simulate", _told) as report:
+        return Run(course, how, origin, report, checkpoint, checkpoint_seconds).begin(P)
 
 
 @door
@@ -127,7 +128,7 @@ def resume(
     t_end: float | None = None,
     *,
     terms: Iterable[TermLike] | None = None,
-    progress: Callable[[Snapshot], None] | None = None,
+    progress: Progress = None,
     checkpoint: Callable[[Trajectory], None] | None = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
 ) -> Trajectory:
@@ -158,9 +159,13 @@ def resume(
     chosen = run.terms if terms is None else _same(run, run.model.terms(terms))
     shape = run.final_state.shape
     course = _course(run.model, run.params, run.grid, chosen, how, run.protocol, shape)
-    with double():
-        onward = Run(course, how, run.provenance, progress, checkpoint, checkpoint_seconds)
-        return onward.restore(run)
+    with double(), reported(progress, "resume", _told) as report:
+        return Run(course, how, run.provenance, report, checkpoint, checkpoint_seconds).restore(run)
+
+
+def _told(now: Snapshot) -> tuple[float, str]:
+    """Return the share of a run that is done, and the time reached."""
+    return now.t / now.t_end if now.t_end else 1.0, f"t = {now.t:.1f} of {now.t_end:g}"
 
 
 def _course(

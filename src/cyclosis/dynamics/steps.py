@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
+from ..display.shown import shown
 from ..model.definitions import PARAMETERS, Definition
 from ..model.errors import InputError, choice, closest
 from ..model.instants import DIGITS, instant
-from ..model.interventions import ACTIONS, AT, SHORTEST_RAMP
+from ..model.interventions import ACTIONS, AT, NAME, SHORTEST_RAMP
 from ..model.region_tables import from_table
 from ..model.regions import Region
 
 _BY_NAME = {item.name: item for item in PARAMETERS}
+_NAMES = re.compile(r"[A-Za-z][\w-]*")
 
 
+@shown
 @dataclass(frozen=True)
 class Step:
     """One step of a protocol. Make one with the functions of `protocol`, not with these classes.
@@ -35,13 +39,17 @@ class Step:
     action: ClassVar[str]
     random: ClassVar[bool] = False
     acts_on_state: ClassVar[bool] = False
+    name: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        items = {item.name: item for item in (AT, *ACTIONS[self.action].keys)}
+        items = {item.name: item for item in (AT, NAME, *ACTIONS[self.action].keys)}
         for own in fields(self):
             if own.name in items:
                 object.__setattr__(self, own.name, _checked(items[own.name], getattr(self, own.name)))
         object.__setattr__(self, "at", instant(self.at))
+        if self.name is not None and not _NAMES.fullmatch(self.name):
+            rule = "a letter, then letters, digits, - and _"
+            raise InputError("name", self.name, rule, "shorten it to one word")
         region = getattr(self, "where", None)
         if region is not None and not isinstance(region, Region):
             raise InputError(
@@ -224,7 +232,7 @@ def step_from_table(table: Any) -> Step:
     given = dict(table)
     action = choice("action", given.pop("action", None), tuple(ACTIONS))
     about = ACTIONS[action]
-    items = {item.name: item for item in (AT, *about.keys)}
+    items = {item.name: item for item in (AT, NAME, *about.keys)}
     known = [*items, *(["where"] if about.regional else [])]
     for name in given:
         if name not in known:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ..contract.model import Array, Model
 from ..display.notebook import text_tree, tree
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.units import of_table
 from ..models import polar
@@ -58,6 +59,7 @@ _MEANING = {
 }
 
 
+@shown
 @dataclass(frozen=True)
 class Effort:
     """What a run cost: right-hand sides evaluated, steps, and seconds on the clock."""

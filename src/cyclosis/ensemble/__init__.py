@@ -7,3 +7,17 @@ from .members import Member as Member
 from .members import Outcome as Outcome
 from .run import default_lanes as default_lanes
 from .run import follow as follow
+
+__all__ = [
+    "FINISH",
+    "OUTCOMES",
+    "EnsembleSettings",
+    "Member",
+    "Outcome",
+    "default_lanes",
+    "follow",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

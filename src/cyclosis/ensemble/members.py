@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..contract.model import Array, Model, Problem
+from ..display.shown import shown
 from ..dynamics.protocol import Protocol
 from ..dynamics.schedule import Schedule
 from ..dynamics.settings import Settings
@@ -27,6 +28,7 @@ DISORDERED = "disordered"
 """The regime that is never reached at a definite time: order decays forever."""
 
 
+@shown
 @dataclass(frozen=True)
 class Member:
     """One cell: parameters, grid, a function that makes its initial state, its protocol, and its model.
@@ -63,6 +65,7 @@ class Member:
         return Schedule(self.params, self.grid, self.protocol).params_at(t) if self.protocol else self.params
 
 
+@shown
 @dataclass(frozen=True)
 class EnsembleSettings:
     """How members are integrated; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U).
@@ -118,6 +121,7 @@ class EnsembleSettings:
         return member.model.problem(member.params, member.grid, terms, dealias, precision, shape)
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """How one member ended; all numbers are dimensionless.

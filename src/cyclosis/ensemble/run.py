@@ -6,6 +6,7 @@ import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import jax
@@ -22,9 +23,11 @@ from ..model.devices import require_devices
 from ..model.doors import door
 from ..model.errors import InputError
 from ..model.precision import double
+from ..model.reporting import Progress, counted, reported
 from .lanes import LaneState, run_lanes, stacked, tables
 from .members import DISORDERED, UNCERTIFIED, EnsembleSettings, Member, Outcome, ended, uncertain
 from .scheduled import follow_scheduled
+from .scheduled_lanes import ScheduledLanes
 
 CPU_LANES = 1
 """Lanes on a CPU: with more, the working set does not fit into the fast cache."""
@@ -38,7 +41,9 @@ MOST_STEPS = 1_000_000
 
 
 @door
-def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> list[Outcome]:
+def follow(
+    members: Sequence[Member], how: EnsembleSettings | None = None, *, progress: Progress = None
+) -> list[Outcome]:
     """Integrate every member until its final regime is certain, or to t_end, and return outcomes in order.
 
     With `finish = "certified"` a member ends as soon as its final regime is certain (see
@@ -46,7 +51,8 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
     step from the ladder 2^{j/2}; its outcome does not depend on the other members. Members may differ in
     everything; those with the same grid, diffusion and flow operator share lanes. `lanes` sets how many run
     at once, by default one on a CPU and as many as fit into 8 GiB on an accelerator. Members with a protocol
-    are integrated one after another.
+    share lanes too, whatever the times and values of its steps. `progress` shows a bar in a terminal or a
+    notebook unless it is False; a function is called with the numbers of members done and in all.
 
     Raises `InputError` for states that do not fit their grid, and for a protocol if `finish` is
     "certified"; problems that occur later are outcomes.
@@ -61,7 +67,9 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
     """
     how = how or EnsembleSettings()
     outcomes: list[Outcome | None] = [None] * len(members)
+    alone: list[int] = []
     pools: dict[Any, list[int]] = {}
+    scheduled: dict[tuple[Any, int], list[int]] = {}
     for index, member in enumerate(members):
         lanes = member.model.lanes
         if how.finish == "certified" and member.protocol:
@@ -69,15 +77,28 @@ def follow(members: Sequence[Member], how: EnsembleSettings | None = None) -> li
         if how.finish == "certified" and not member.model.certifies:
             rule = f"t_end with the model {member.model.wording}, whose final regimes cannot be certified"
             raise InputError("finish", how.finish, rule, "set it so")
-        if lanes is not None and not member.protocol:
+        if lanes is not None and member.protocol:
+            width = how.lanes or default_lanes(member.grid, how.precision)
+            scheduled.setdefault((member.model, width), []).append(index)
+        elif lanes is None:
+            alone.append(index)
+        else:
             pools.setdefault((member.model, lanes.shared(member.params, member.grid)), []).append(index)
-    with double():
-        for index, member in enumerate(members):
-            if member.protocol or member.model.lanes is None:
-                outcomes[index] = follow_scheduled(member, how)
-        for indices in pools.values():
-            for index, outcome in _Pool(members, indices, how).run():
-                outcomes[index] = outcome
+
+    def singly(indices: Sequence[int]) -> Iterator[tuple[int, Outcome]]:
+        return ((index, follow_scheduled(members[index], how)) for index in indices)
+
+    with double(), reported(progress, "follow", counted) as report:
+        parts = [singly(alone)]
+        for (_, width), indices in scheduled.items():
+            # One lane needs no stacking: its member is integrated like a single run.
+            lanes_of = ScheduledLanes(members, indices, how, width)
+            parts.append(singly(indices) if width == 1 else lanes_of.run())
+        parts += [_Pool(members, indices, how).run() for indices in pools.values()]
+        for done, (index, outcome) in enumerate(chain.from_iterable(parts), 1):
+            outcomes[index] = outcome
+            if report is not None:
+                report(done, len(members))
     return [outcome for outcome in outcomes if outcome is not None]
 
 

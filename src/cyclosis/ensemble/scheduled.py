@@ -1,4 +1,4 @@
-"""A member with a protocol: it is integrated alone, from event to event, to t_end.
+"""A member with a protocol: it is integrated from event to event, to t_end, alone or in a lane.
 
 Its result does not depend on anything else, so that it is the same bit for bit whatever the lanes, blocks and
 workers. All members of one shape share compiled programs, whatever the times and values of their protocols.
@@ -25,60 +25,79 @@ from .members import DISORDERED, EnsembleSettings, Member, Outcome, ended, uncer
 
 
 def follow_scheduled(member: Member, how: EnsembleSettings) -> Outcome:
-    """Return the outcome of a member at t_end; to be called in double precision.
+    """Return the outcome of a member at t_end, computed alone; to be called in double precision.
 
     Raises `InputError` for a state or a region that does not fit the grid.
     """
-    return _ScheduledRun(member, how).run()
+    run = ScheduledRun(member, how)
+    while not run.over:
+        run.follower.advance(run.target)
+        run.measure()
+        run.arrive()
+    return run.outcome(clock.perf_counter() - run.began)
 
 
-class _ScheduledRun:
-    """A member that is being integrated, and what has been recorded about it so far."""
+class ScheduledRun:
+    """A member that is being integrated, and what has been recorded about it so far.
+
+    `follower` integrates it towards `target`, the time of the next event or the end. After every stretch call
+    `measure` or `look`, and `arrive` once the target is reached, until the run is `over`.
+    """
 
     def __init__(self, member: Member, how: EnsembleSettings) -> None:
         self.member, self.how, self.began = member, how, clock.perf_counter()
-        self.start = member.model.check_state(member.grid, member.state(), "the initial state")
-        self.problem = how.problem(member, self.start.shape)
+        start = member.model.check_state(member.grid, member.state(), "the initial state")
+        self.problem = how.problem(member, start.shape)
         self.course = Course(self.problem, member.protocol)
         control = Control.of(how.rtol, how.atol, self.course.bound(0))
         self.follower = Follower(self.course, control, steps=CHECK_STEPS)
         self.watch = Watch(self.problem, self.course.system(0), how.run)
         self.looks: list[tuple[float, Look]] = []
         self.tail = 0.0
+        self.follower.begin(self.problem.model.modes(self.course.system(0), start))
+        times = {*(time for time in self.course.times if time <= how.t_end), how.t_end}
+        self.left = sorted(times, reverse=True)
+        self.arrive()
 
-    def run(self) -> Outcome:
-        """Integrate the member and return its outcome."""
-        self.follower.begin(self.problem.model.modes(self.course.system(0), self.start))
-        for target in sorted({*self.course.times, self.how.t_end}):
-            if target > self.how.t_end:
-                break
-            self._reach(target)
-            if self.follower.failed:
-                break
+    @property
+    def over(self) -> bool:
+        """Whether the run has reached its end or failed."""
+        return not self.left or self.follower.failed
+
+    @property
+    def target(self) -> float:
+        """The time up to which the present system is active."""
+        return self.left[-1]
+
+    def arrive(self) -> None:
+        """Do what the protocol does at the time reached, if it is that of an event."""
+        while not self.over and not self.follower.can_go(self.target):
+            self.left.pop()
             note = self.follower.intervene()
             if note is not None:
                 self.watch.disturbed(note.time, self.follower.system)
-        return self._outcome()
 
-    def _reach(self, target: float) -> None:
-        while self.follower.can_go(target):
-            self.follower.advance(target)
-            t, (tails, largest) = self.follower.t, self._seen()
-            if t >= self.watch.patience:
-                self.tail = max(self.tail, float(tails["spectral_tail"]))
-            self.watch.look(t, tails, largest)
-
-    def _seen(self) -> tuple[Mapping[str, Any], float]:
-        """Record the signs of the member, and return its tails and its largest |P|."""
+    def measure(self) -> None:
+        """Record what the member looks like."""
         now, system, model = self.follower.now, self.follower.system, self.problem.model
-        if model.lanes is None:
-            found = model.measure(system, now.spectrum, now.t)
-            return found, float(found[model.peak])
-        seen = jax.device_get(_signs(system, now.spectrum, model.lanes))
-        self.looks.append((self.follower.t, model.lanes.look(seen)))
-        return {"spectral_tail": seen.tail}, float(seen.largest)
+        if model.lanes is not None:
+            self.look(self.follower.t, jax.device_get(_signs(system, now.spectrum, model.lanes)), model.lanes)
+            return
+        found = model.measure(system, now.spectrum, now.t)
+        self._watch(self.follower.t, found, float(found[model.peak]))
 
-    def _outcome(self) -> Outcome:
+    def look(self, t: float, signs: Any, lanes: Lanes) -> None:
+        """Record the signs of the member at a time."""
+        self.looks.append((t, lanes.look(signs)))
+        self._watch(t, {"spectral_tail": signs.tail}, float(signs.largest))
+
+    def _watch(self, t: float, tails: Mapping[str, Any], largest: float) -> None:
+        if t >= self.watch.patience:
+            self.tail = max(self.tail, float(tails["spectral_tail"]))
+        self.watch.look(t, tails, largest)
+
+    def outcome(self, seconds: float) -> Outcome:
+        """Return how the member has ended, given the seconds that it took."""
         t, state, lanes = self.follower.t, self.follower.state, self.problem.model.lanes
         status = "diverged" if self.follower.failed else "completed"
         found = ended(self.problem.at(self.course.schedule.params_at(t)), state)
@@ -97,7 +116,7 @@ class _ScheduledRun:
             eigenvalue=np.nan,
             tail=self.tail,
             evaluations=int(self.follower.now.evaluations),
-            seconds=clock.perf_counter() - self.began,
+            seconds=seconds,
         )
 
 

@@ -6,3 +6,16 @@ from .experiment import Experiment as Experiment
 from .experiment import Verdict as Verdict
 from .perform import Performance as Performance
 from .perform import perform as perform
+
+__all__ = [
+    "NAMES",
+    "Experiment",
+    "Performance",
+    "Verdict",
+    "experiment",
+    "perform",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -215,17 +215,17 @@ def measure(lab: Lab) -> xarray.Dataset:
     fine_seeds = QUICK_FINE_SEEDS if lab.quick else FINE_SEEDS
     sizes, size_seeds = (QUICK_SIZES, QUICK_SIZE_SEEDS) if lab.quick else (SIZES, SIZE_SEEDS)
     n = len(End._fields)
-    rows = np.array(lab.kept("seeds", course, [(1.0, K_MAX, seed, late) for seed in range(lab.seeds)]))
-    fine = np.array(lab.kept("fine", course, [(1.0, FINE, seed, late) for seed in range(fine_seeds)]))
+    rows = np.array(lab.each("seeds", course, [(1.0, K_MAX, seed, late) for seed in range(lab.seeds)]))
+    fine = np.array(lab.each("fine", course, [(1.0, FINE, seed, late) for seed in range(fine_seeds)]))
     items = [
         (size, max(K_MAX, K_MAX * size), seed, late / min(size, 1.0))  # times are in units of the radius
         for size in sizes
         for seed in range(size_seeds)
     ]
-    sized = np.array(lab.kept("sizes", course, items)).reshape(len(sizes), size_seeds, -1)
-    views = np.array(lab.kept("views", view, [(seed, late) for seed in SHOWN]))
+    sized = np.array(lab.each("sizes", course, items)).reshape(len(sizes), size_seeds, -1)
+    views = np.array(lab.each("views", view, [(seed, late) for seed in SHOWN]))
     states = ("circulation", "source to sink")
-    rates = lab.kept("growth", leading, [(state, m) for state in states for m in WAVES])
+    rates = lab.each("growth", leading, [(state, m) for state in states for m in WAVES])
     solver = Sphere1D()
     curve = [(size, *solver.numbers(of_size(float(size)))) for size in CURVE]
     over = rows[:, n:].reshape(lab.seeds, 2, -1)

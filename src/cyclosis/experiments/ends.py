@@ -80,7 +80,7 @@ def _ends(lab: Lab, cells: list[tuple[Any, ...]], seeds: range) -> Array:
     late = QUICK_LATE if lab.quick else LATE
     batches = _batches(seeds)
     items = [(*cell, *batch, late) for cell in cells for batch in batches]
-    rows = lab.kept("ends", closed_cells.ends, items)
+    rows = lab.each("ends", closed_cells.ends, items)
     each = len(batches)
     return np.array([np.concatenate(rows[k : k + each]) for k in range(0, len(rows), each)])
 
@@ -151,7 +151,7 @@ def _line(lab: Lab) -> xarray.Dataset:
 
 def _views(lab: Lab) -> xarray.Dataset:
     late = QUICK_LATE if lab.quick else LATE
-    seen = np.array(lab.kept("views", view, [(*cell, late) for cell in SHOWN])).astype(np.float32)
+    seen = np.array(lab.each("views", view, [(*cell, late) for cell in SHOWN])).astype(np.float32)
     return xarray.Dataset(
         {"picture": (("frame", "field", "across", "up"), seen)}, {"field": list(closed_views.FIELDS)}
     )

@@ -43,15 +43,15 @@ def measured(lab: Lab, rates: tuple[tuple[float, ...], tuple[float, ...]]) -> xa
         for alpha_p in rates[0]
         for alpha_u in rates[1]
     ]
-    plane = np.reshape(lab.kept("growth", growth, items), (2, len(rates[0]), len(rates[1]), len(WAVES)))
+    plane = np.reshape(lab.each("growth", growth, items), (2, len(rates[0]), len(rates[1]), len(WAVES)))
     epsilon = QUICK_EPSILON if lab.quick else EPSILON
     over = np.full((len(WITHOUT), len(WEAK), len(epsilon), len(WAVES)), np.nan)
     known = [place for place in np.ndindex(over.shape[:3]) if place[0] == 0 or place[1] == 0]
     items = [(CAPSULE, PRINCIPAL, ALPHA_P, WEAK[j], epsilon[k], WITHOUT[i], USUAL_K) for i, j, k in known]
-    for place, row in zip(known, lab.kept("growth", growth, items), strict=True):
+    for place, row in zip(known, lab.each("growth", growth, items), strict=True):
         over[place] = row
     items = [(*cell, rank) for cell in PUSHED for rank in (0, 2)]
-    parts = np.reshape(lab.kept("parts", pushed, items), (len(PUSHED), 2, len(PARTS)))
+    parts = np.reshape(lab.each("parts", pushed, items), (len(PUSHED), 2, len(PARTS)))
     return xarray.Dataset(
         {
             "growth": (("closed", "alpha_p", "alpha_u", "wave"), plane),

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..display.shown import shown
+
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
@@ -16,6 +18,7 @@ AGREES, IN_PART, DOES_NOT = OUTCOMES = ("agrees", "in part", "does not")
 """Whether a claim holds: as the paper says, with a reservation that the sentence names, or not."""
 
 
+@shown
 @dataclass(frozen=True)
 class Verdict:
     """Whether a claim holds: `outcome`, one of `OUTCOMES`, and a sentence with the numbers that decide it.
@@ -33,6 +36,7 @@ class Verdict:
         return f"{self.outcome}: {self.measured}"
 
 
+@shown
 @dataclass(frozen=True)
 class Experiment:
     """A virtual experiment.

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+import distributed
 import numpy as np
 import xarray
 
+from ..dataset import load, write
 from ..dynamics.simulate import simulate
 from ..model.errors import InputError
 from ..model.grid import Array, CylinderGrid
@@ -20,9 +21,12 @@ from ..model.parameters import Parameters
 from ..model.system import flow
 from ..sweep.cluster.local_cluster import local_client
 from ..sweep.cluster.pickling import shipped
+from ..sweep.cluster.progress import counted
 from ..sweep.execute import run_sweep
 from ..sweep.plan.sweep import Sweep
 from ..sweep.store.read import open_sweep
+from ..sweep.store.store import SWEEP, Store
+from .stored import Unstorable, described, member, of_content
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -32,14 +36,16 @@ if TYPE_CHECKING:
     from ..sweep.cluster.progress import SweepProgress
 
 Told = Callable[[str, "SweepProgress"], None]
+STORIES = "stories"
+"""Folder, within that of an experiment's stores, for its single runs."""
 
 
 class Lab:
     """The resources of one experiment: how many `seeds`, whether it is `quick`, and where sweeps are stored.
 
-    As a context manager it starts worker processes with the first sweep and stops them at the end. Stores
-    remain in `folder`, so that an interrupted experiment continues where it stopped. `told` is called with
-    progress.
+    As a context manager it starts worker processes with the first sweep and stops them at the end. Every
+    member that is done is stored in `folder`, so that an interrupted experiment continues where it stopped.
+    `told` is called with progress.
     """
 
     def __init__(
@@ -81,6 +87,8 @@ class Lab:
         sweep = Sweep.from_tables(whole)
         store = self.folder / label
         store.parent.mkdir(parents=True, exist_ok=True)
+        if (store / SWEEP).exists() and Store(store).sweep != sweep:
+            store = store.with_name(f"{label}-{sweep.digest[:12]}")  # the experiment has another definition
 
         def told(now: SweepProgress) -> None:
             if self._told is not None:
@@ -97,24 +105,18 @@ class Lab:
         """Return function(*item) for every item, in order, computed by the workers.
 
         For quantities that a sweep does not record, such as a course over time. `function` must be defined
-        in a module.
+        in a module. Each result is stored in `folder` as soon as it is there, see `stored`.
         """
         listed = list(items)
-        called = shipped(lambda item: function(*item))
+        folder = str(self.folder / label)
+        called = shipped(lambda item: member(folder, function, *item))
         client = self._running()
+        began = time.monotonic()
         futures = client.map(called, listed, pure=False, key=f"{label}-{id(listed)}")
+        if self._told is not None:
+            for done, _ in enumerate(distributed.as_completed(futures, loop=client.loop), 1):
+                self._told(label, counted(done, len(listed), time.monotonic() - began))
         return list(client.gather(futures))
-
-    def kept(self, label: str, function: Callable[..., Any], items: Iterable[tuple[Any, ...]]) -> list[Any]:
-        """Return the same as `each` of a function that returns arrays, and keep each array in `folder`.
-
-        An interrupted experiment continues where it stopped. Items must be numbers, strings and tuples of
-        them: they name the file.
-        """
-        folder = self.folder / label
-        folder.mkdir(parents=True, exist_ok=True)
-        named = [(str(folder / f"{_digest(item)}.npy"), item) for item in items]
-        return self.each(label, partial(_kept, function), named)
 
     def story(
         self,
@@ -126,31 +128,36 @@ class Lab:
         protocol: Protocol | None = None,
         **settings: Any,
     ) -> Trajectory:
-        """Run one cell and return its trajectory; `times` are those of saved frames (default: the end)."""
+        """Run one cell and return its trajectory; `times` are those of saved frames (default: the end).
+
+        The run is stored in `folder` and read from there when it is needed again.
+        """
         saved = tuple(times) or (t_end,)
-        return simulate(params, grid, state, t_end, save_at=saved, protocol=protocol, **settings)
+
+        def run() -> Trajectory:
+            return simulate(
+                params, grid, state, t_end, save_at=saved, protocol=protocol, progress=False, **settings
+            )
+
+        steps = None if protocol is None else (protocol.as_tables(), protocol.seed)
+        cell = (params, grid.shape, grid.length, np.asarray(state))
+        try:
+            told = described((*cell, t_end, saved, steps, settings))
+        except Unstorable:  # a term of the user's own
+            return run()
+        file = self.folder / STORIES / f"{of_content(told)}.nc"
+        with suppress(InputError):  # missing or damaged
+            return load(file)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        found = run()
+        write(found, file, force=True)
+        return found
 
     def _running(self) -> Any:
         if self._client is None:
             self._cluster = local_client(self._workers)
             self._client = self._cluster.__enter__()
         return self._client
-
-
-def _digest(item: tuple[Any, ...]) -> str:
-    return hashlib.sha256(repr(item).encode()).hexdigest()[:32]
-
-
-def _kept(function: Callable[..., Any], file: str, item: tuple[Any, ...]) -> Array:
-    """Return the array in a file, or compute it and write it there, completely or not at all."""
-    target = Path(file)
-    if not target.exists():
-        beside = target.with_suffix(f".{os.getpid()}.part")
-        with beside.open("wb") as written:
-            np.save(written, np.asarray(function(*item)))
-        beside.replace(target)
-    found: Array = np.load(target, allow_pickle=False)
-    return found
 
 
 def frames(run: Trajectory, times: Sequence[float]) -> xarray.Dataset:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,17 +12,23 @@ import xarray
 
 from ..dataset import check_writable
 from ..dataset.tables import write_table
+from ..dataset.whole import remove
+from ..display.shown import shown
 from ..figures import style
 from ..model.errors import InputError, whole
+from ..model.reporting import counted, reported
+from ..sweep.cluster.progress import SweepProgress
 from .catalogue import experiment
 from .experiment import Experiment, Verdict
 from .lab import Lab, Told
+from .stored import definition
 
 MOST_SEEDS = 100_000
 STORES = "stores"
 """Folder, next to the results, for the sweeps of all experiments."""
 
 
+@shown
 @dataclass(frozen=True)
 class Performance:
     """The results of an experiment: its dataset, its verdict, and the files they were written to.
@@ -47,12 +55,16 @@ def perform(
     workers: int | None = None,
     force: bool = False,
     told: Told | None = None,
+    fresh: bool = False,
+    progress: bool | None = None,
 ) -> Performance:
     """Run an experiment, write NAME.nc and NAME.png to the folder `out`, and return the results.
 
     `seeds` replaces the experiment's default number of seeds; `quick` uses few, and fewer or shorter runs of
-    every kind. Completed parts of sweeps stay in `out`/stores, so that the same call continues after an
-    interruption. Raises `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
+    every kind. Every member that is done is stored in `out`/stores, so that the same call continues after an
+    interruption; `fresh` removes what is stored there of this experiment and computes it again. `progress`
+    shows a bar in a terminal or a notebook unless it is False; the function `told` is called instead. Raises
+    `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
     range.
 
     Example:
@@ -74,12 +86,21 @@ def perform(
     given = chosen.quick_seeds if quick else chosen.seeds
     count = given if seeds is None else whole("seeds", seeds, 1, MOST_SEEDS, f"the default is {given}")
     kind = f"{name}-{'quick' if quick else 'full'}-{count}"
-    with Lab(folder / STORES / kind, count, quick, workers, told) as lab:
+    if fresh:
+        remove(folder / STORES / kind)
+    shown = reported(progress if told is None else told, name, _told)
+    with shown as report, Lab(folder / STORES / kind, count, quick, workers, report) as lab:
         data = labelled(chosen, chosen.measure(lab), count, quick)
     picture.unlink(missing_ok=True)  # an interruption must not leave an old figure beside new data
     write_table(data, file)
-    style.save(chosen.draw(data), picture)
+    style.save(style.signed(chosen.draw(data), data), picture)
     return Performance(chosen, data, verdict_of(data), file, picture)
+
+
+def _told(label: str, now: SweepProgress) -> tuple[float, str]:
+    """Return the share of a part of an experiment that is done, and its name."""
+    share, words = counted(now.done, now.total)
+    return share, f"{label} {words}"
 
 
 def labelled(chosen: Experiment, data: xarray.Dataset, seeds: int, quick: bool) -> xarray.Dataset:
@@ -88,7 +109,11 @@ def labelled(chosen: Experiment, data: xarray.Dataset, seeds: int, quick: bool) 
     command = f"cyclosis experiment {chosen.name}" + (" --quick" if quick else "")
     if seeds != (chosen.quick_seeds if quick else chosen.seeds):
         command += f" --seeds {seeds}"
+    asked = {"experiment": chosen.name, "seeds": seeds, "quick": quick, "definition": definition()}
+    configuration = json.dumps(asked, sort_keys=True)
     return data.assign_attrs(
+        definition_sha256=definition(),
+        configuration_sha256=hashlib.sha256(configuration.encode()).hexdigest(),
         experiment=chosen.name,
         claim=chosen.claim,
         claim_source=chosen.source,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,42 +63,59 @@ def measure(lab: Lab) -> xarray.Dataset:
             "run": {"t_end": 1000.0, "finish": "certified", "rtol": 1e-3},
         },
     )
-    cable = np.stack([_with_cable(lab, number) for number in squares])
+    cable = _with_cables(lab, squares)
     found = _cells(lab, cable[0])
     found["thinned_shift"] = ("thinned", "seed"), shifts(spread).astype(np.float32)
     found["cable_shift"] = ("cable", "seed"), cable.astype(np.float32)
     return found.assign_coords(thinned=shares, cable=np.array(squares) * FILAMENTS / ALL)
 
 
-def _with_cable(lab: Lab, squares: float) -> Array:
+def _with_cables(lab: Lab, squares: Sequence[float]) -> Array:
+    """Return how far zones move (squares, seed), for increasing squares: none, part of one, whole ones."""
+    none, part, whole = (
+        [number for number in squares if low <= number < high]
+        for low, high in ((0.0, 1e-9), (1e-9, 1.0), (1.0, np.inf))
+    )
+    kinds = [
+        ("none", none, "alpha_u", [0.5]),
+        ("part", part, "protocol.survivors.keep", part),
+        ("whole", whole, "protocol.cut.where.z1", [_end(number) for number in whole]),
+    ]
     tables = {
         "initial": {"kind": "stripes"},
-        "axes": {"alpha_u": {"values": [0.5]}},
         "run": {"t_end": QUICK_END if lab.quick else END, "finish": "t_end", "rtol": 1e-3},
-        "protocol": steps(squares),
     }
-    return shifts(lab.sweep(f"cable-{squares:g}", tables).isel(alpha_u=0))
+    swept = [
+        tables | {"axes": {axis: {"values": values}}, "protocol": steps(those[0], swept=True)}
+        for _, those, axis, values in kinds
+        if those
+    ]
+    labels = [f"cable-{label}" for label, those, *_ in kinds if those]
+    return np.concatenate([shifts(lab.sweep(*each)) for each in zip(labels, swept, strict=True)])
 
 
-def steps(squares: float) -> list[dict[str, Any]]:
+def _end(squares: float) -> float:
+    """Return where along z a piece of so many squares of the cable ends."""
+    z = GRID.length / GRID.n_z
+    return float(min(np.ceil(squares) * z - 0.5 * z, GRID.length - 1e-6))
+
+
+def steps(squares: float, swept: bool = False) -> list[dict[str, Any]]:
     """Return the protocol for a cell in which so many squares of one cable survive.
 
-    Below one square its filaments are thinned.
+    Below one square its filaments are thinned. If `swept`, the number that depends on squares is left out.
     """
-    theta, z = 2 * np.pi / GRID.n_theta, GRID.length / GRID.n_z
-    end = min(np.ceil(squares) * z - 0.5 * z, GRID.length - 1e-6)
-    where = {
-        "shape": "box",
-        "theta0": 0.5 * np.pi - 0.5 * theta,
-        "theta1": 0.5 * np.pi + 0.5 * theta,
-        "z0": 0.0,
-        "z1": end,
-    }
-    cut: dict[str, Any] = {"at": ARREST, "action": "fragment", "filaments_per_square": FILAMENTS}
-    done = [{"at": ARREST, "action": "change", "alpha_p": 0.0}]
+    theta = np.pi / GRID.n_theta
+    where = {"shape": "box", "theta0": 0.5 * np.pi - theta, "theta1": 0.5 * np.pi + theta, "z0": 0.0}
+    if squares < 1 or not swept:
+        where["z1"] = _end(squares)
+    cut = {"name": "cut", "at": ARREST, "action": "fragment", "filaments_per_square": FILAMENTS}
+    done: list[dict[str, Any]] = [{"at": ARREST, "action": "change", "alpha_p": 0.0}]
     done.append(cut | {"where": where | {"invert": True}} if squares else cut)
     if 0 < squares < 1:
-        done.append({"at": ARREST, "action": "depolymerise", "keep": squares, "where": where})
+        keep = {} if swept else {"keep": squares}
+        at = {"name": "survivors", "at": ARREST}
+        done.append(at | {"action": "depolymerise", "where": where} | keep)
     return [*done, {"at": WASHED, "action": "wash_out"}]
 
 

@@ -23,6 +23,25 @@ from .looks import setting
 from .style import INK, SHADE, WIDTH, blank, place
 from .swept import Swept, grouped, swept
 
+__all__ = [
+    "MOST_BINS",
+    "NUMBER",
+    "Members",
+    "Shares",
+    "basins",
+    "by_number",
+    "by_ratio",
+    "line_by_point",
+    "members",
+    "predicted",
+    "states",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 NUMBER = "filaments_per_square"
 MOST_BINS = 12
 """Largest number of bins of ratios."""

@@ -18,6 +18,18 @@ from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
+__all__ = [
+    "COLOURS",
+    "MARKS",
+    "SYMBOLS",
+    "bifurcation",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 COLOURS = (UP, "#d29a1f", DOWN, "#2f6fb0", "#a8443c", INK)
 """Colours of branches, in turn."""
 MARKS = {"fold": "^", "branch point": "o", "Hopf point": "D"}

@@ -124,13 +124,15 @@ def upright(grid: ClosedGrid, P: Array, u: Array) -> Array:
     return np.stack([x, np.cross(z, x), z])
 
 
-def closed_subject(dataset: xarray.Dataset) -> Subject:
+def closed_subject(dataset: xarray.Dataset, upright_in: xarray.Dataset | None = None) -> Subject:
     """Return the cell of the dataset of a closed run.
 
-    A sphere is shown with the axis about which its flow circulates in the last frame upright.
+    A sphere is shown with the axis about which its flow circulates in the last frame upright, or that of
+    another run.
     """
     grid = closed_grid(dataset)
-    turn = None if skin_of(grid).axial else upright(grid, *frame(dataset, -1))
+    other = dataset if upright_in is None else upright_in
+    turn = None if skin_of(grid).axial else upright(closed_grid(other), *frame(other, -1))
 
     def look(P: Array, u: Array) -> Look:
         if turn is not None:

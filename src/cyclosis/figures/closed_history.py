@@ -14,8 +14,8 @@ from ..model.units import scales_in
 from .clock import time_axis, time_label
 from .closed_cells import closed_grid, marks_of, skin_of
 from .frames import frame
-from .records import panels
-from .style import DOWN, INK, LEGEND, QUIET, UP, mathtext
+from .records import Panels
+from .style import DOWN, INK, QUIET, UP, mathtext
 
 MOST_FRAMES = 120
 """Defects are counted in at most about this many frames."""
@@ -40,10 +40,9 @@ def draw_closed_history(dataset: xarray.Dataset, width: float, draw_speed: Draw,
         np.float64(7.1)
     """
     grid = closed_grid(dataset)
-    figure, panel = panels(width, 2)
-    (order, speed), (counts, power), (upper, lower) = (
-        [panel(column, row) for row in (0, 1)] for column in (0, 1, 2)
-    )
+    panels = Panels.of(width, 6)
+    pairs = panels.pairs()
+    (order, speed), (counts, power), (upper, lower) = pairs
     times = dataset["order"][dataset["order"].dims[0]].values
     order.plot(times, dataset["order"].values, color=INK, linewidth=1.2, label=mathtext("<|P|²>^½"))
     mean = np.hypot.reduce(dataset["mean_vector"].values, axis=1)
@@ -65,13 +64,11 @@ def draw_closed_history(dataset: xarray.Dataset, width: float, draw_speed: Draw,
         time_axis(ax, first, last, scales)
     for ax in (order, counts, speed, power, upper, lower):
         if ax.get_legend_handles_labels()[0]:
-            ax.legend(**LEGEND)
-    for ax in (order, counts, upper):
-        ax.tick_params(labelbottom=False)
-    for ax in over_time:
-        if ax in (speed, power, lower):
-            ax.set_xlabel(time_label(scales, last), labelpad=1.0)
-    return figure
+            panels.legend(ax)
+    around = "$θ$" if skin_of(grid).axial else time_label(scales, last)
+    panels.label(pairs[:2], time_label(scales, last))
+    panels.label(pairs[2:], around)
+    return panels.figure
 
 
 def _defects(ax: Any, dataset: xarray.Dataset, grid: Any) -> None:
@@ -104,7 +101,6 @@ def _around(upper: Any, lower: Any, dataset: xarray.Dataset, grid: Any) -> None:
         size = 1.1 * max(float(np.abs(closed).max()), 1e-3)
         ax.set(xlim=(0, 2 * np.pi), ylim=(-size, size), ylabel=f"{label} at mid-cell")
         ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
-    lower.set_xlabel("$θ$", labelpad=1.0)
 
 
 def _middle(grid: Any, values: Array) -> Array:

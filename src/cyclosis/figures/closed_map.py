@@ -91,6 +91,17 @@ def paint_closed(
     ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
 
 
+def paint_values(ax: Any, skin: Skin, values: Array, **how: Any) -> Any:
+    """Paint a field (around, n) of numbers on the map into matplotlib axes, and return the image."""
+    box, edge = frame_of(skin), _edge(skin)
+    theta, s = _places(skin)
+    image = ax.imshow(skin.sampled(values[None], theta, s)[0], extent=box, zorder=1, **how)
+    image.set_clip_path(edge, ax.transData)
+    ax.add_artist(PathPatch(edge, facecolor="none", edgecolor=INK, linewidth=0.6, zorder=3))
+    ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
+    return image
+
+
 def copies(skin: Skin, polygon: Array) -> list[Array]:
     """Return the copies (n, 2) on the map of a polygon (n, 3) in space: two where it crosses theta = 0."""
     theta, s = skin.chart(polygon.T)

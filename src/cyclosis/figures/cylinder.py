@@ -17,6 +17,20 @@ from ..model.grid import Array, CylinderGrid, resolved
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, PAPER, ZONE, state_rgb
 
+__all__ = [
+    "PIXELS",
+    "TILT",
+    "checked_tilt",
+    "draw",
+    "extent",
+    "project",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 TILT = 0.2
 """Default angle, in radians, by which the viewer looks down on the cylinder."""
 PIXELS = 320

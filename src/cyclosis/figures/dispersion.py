@@ -22,6 +22,19 @@ from ..stability.uniform.uniform import BASES, orders
 from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 
+__all__ = [
+    "DIRECTIONS",
+    "TITLES",
+    "dispersion",
+    "kinetic",
+    "kinetic_dispersion",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 DIRECTIONS: tuple[tuple[str, tuple[float, float], str, Any], ...] = (
     ("around the axis", (1.0, 0.0), UP, "-"),
     ("along the cell", (0.0, 1.0), DOWN, "-"),

@@ -17,6 +17,17 @@ from .encode import Output
 from .scene import Pixels
 from .style import INK, QUIET, TYPE
 
+__all__ = [
+    "COLOURS",
+    "SIZE",
+    "dye",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 SIZE = (6.4, 2.4)
 """Inches of a frame."""
 COLOURS = "magma_r"

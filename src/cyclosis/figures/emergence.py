@@ -19,6 +19,17 @@ from .portraits import Look
 from .style import QUIET, TYPE, WIDTH, blank, place, scale_bar
 from .subjects import Subject, subject_of
 
+__all__ = [
+    "CYLINDERS",
+    "MAPS",
+    "emergence",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 CYLINDERS = 6
 """Number of cylinders where no times are given."""
 MAPS = 3

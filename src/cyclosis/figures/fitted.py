@@ -16,6 +16,16 @@ from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 if TYPE_CHECKING:
     import xarray
 
+__all__ = [
+    "SYMBOLS",
+    "fitted",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _ROW = 14.0, 6.0, 13.0, 9.0, 30.0, 7.5
 SYMBOLS = {
     **{"alpha_p": r"$\alpha_p$", "alpha_u": r"$\alpha_u$", "epsilon": r"$\epsilon$", "kappa": r"$\kappa$"},

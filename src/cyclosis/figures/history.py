@@ -16,9 +16,20 @@ from ..model.units import scales_in, speed_unit
 from .clock import time_axis, time_label
 from .frames import grid_of, in_memory, is_closed
 from .looks import setting
-from .records import FONTS, draw_records, is_polar, panels
-from .style import DOWN, INK, LEGEND, QUIET, SHADE, UP, WIDTH, mathtext
+from .records import NARROWEST, Panels, draw_records, fonts, is_polar
+from .style import DOWN, INK, QUIET, SHADE, UP, WIDTH, mathtext
 from .theory import draw_profiles
+
+__all__ = [
+    "draw_power",
+    "draw_speed",
+    "history",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 _SYMBOLS = {item.name: mathtext(item.symbol) for item in QUANTITIES} | {
     "mean": r"$|\langle\mathbf{P}\rangle|$"
@@ -57,9 +68,10 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
     the numbers of defects take the place of the widths, and there is no theory (see
     `cyclosis.figures.closed_history`). Of a run of another model, every recorded quantity is drawn in a panel
     of its own.
-    `width` is in millimetres; all quantities are dimensionless. Of a dataset with scales (see
-    `cyclosis.dataset.with_scales`) time and speeds are in units. Raises `InputError` for a dataset
-    without fields or recorded quantities, or of a single time.
+    `width` is in millimetres, at least 80; below 120 there are two panels in a row instead of three. All
+    quantities are dimensionless. Of a dataset with scales (see `cyclosis.dataset.with_scales`) time and
+    speeds are in units. Raises `InputError` for a dataset without fields or recorded quantities, or of a
+    single time.
 
     Example:
         >>> import cyclosis as cy
@@ -79,38 +91,35 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
             raise InputError("the dataset's variables", list(dataset.data_vars), rule, "use a whole run")
     if dataset.sizes["time"] < 2:
         raise InputError("the number of saved frames", dataset.sizes["time"], "at least 2", "save more often")
-    width = number("width", width, 120.0, 1000.0, "choose a width in millimetres")
+    width = number("width", width, NARROWEST, 1000.0, "choose a width in millimetres")
     if closed:
         from .closed_history import draw_closed_history  # loads JAX, by way of `cyclosis.closed`
 
-        with setting(FONTS):
+        with setting(fonts(width)):
             return draw_closed_history(in_memory(dataset), width, draw_speed, draw_power)
     if not polar:
         return draw_records(dataset, width)
-    with setting(FONTS):
+    with setting(fonts(width)):
         return _drawn(in_memory(dataset), width)
 
 
 def _drawn(dataset: xarray.Dataset, width: float) -> Figure:
-    figure, panel = panels(width, 2)
-    axes = [[panel(column, row) for row in (0, 1)] for column in (0, 1, 2)]
+    panels = Panels.of(width, 6)
+    axes = panels.pairs()
     (order, speed), (widths, power), profiles = axes
     _order(order, dataset)
     draw_speed(speed, dataset)
     _widths(widths, dataset)
     draw_power(power, dataset)
-    draw_profiles((profiles[0], profiles[1]), dataset)
+    draw_profiles((profiles[0], profiles[1]), dataset, panels.legend)
     first, last = (float(dataset["time"].values[k]) for k in (0, -1))
     scales = scales_in(dataset)
     for ax in (order, speed, widths, power):
         time_axis(ax, first, last, scales)
-        ax.legend(**LEGEND)
-    for upper, _ in axes:
-        upper.tick_params(labelbottom=False)
-    for lower in (speed, power):
-        lower.set_xlabel(time_label(scales, last), labelpad=1.0)
-    profiles[1].set_xlabel("$θ$", labelpad=1.0)
-    return figure
+        panels.legend(ax)
+    panels.label(axes[:2], time_label(scales, last))
+    panels.label(axes[2:], "$θ$")
+    return panels.figure
 
 
 def _symbol(dataset: xarray.Dataset, name: str) -> str:

@@ -11,6 +11,16 @@ from ..stability.kinetic.travelling import TravellingState
 from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 
+__all__ = [
+    "ACROSS",
+    "travelling",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 ACROSS = 400
 """Angles around the cell that are drawn."""
 # Places in millimetres.

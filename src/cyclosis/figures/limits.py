@@ -15,6 +15,15 @@ from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 from .swept import axis
 
+__all__ = [
+    "limits",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 # Places in millimetres.
 _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP = 17.0, 4.0, 10.0, 9.0, 20.0
 _HIGH, _RATIO, _BETWEEN = 52.0, 18.0, 5.0

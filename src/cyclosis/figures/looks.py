@@ -20,6 +20,22 @@ from ..display.colours import BLUE, GREEN, ORANGE, PURPLE, Stops, diverging
 from ..model.errors import InputError, choice, closest
 from ..model.grid import Array
 
+__all__ = [
+    "COLOURS",
+    "DIRECTION",
+    "WHEEL",
+    "chosen",
+    "colours",
+    "direction_rgb",
+    "polarity_map",
+    "setting",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 DIRECTION = "direction"
 """The choice in which colours show the direction of P and its magnitude."""
 _LISTED = ("berlin", "managua", "vanimo")

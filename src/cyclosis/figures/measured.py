@@ -14,6 +14,17 @@ from ..model.doors import door
 from ..model.errors import InputError, whole
 from .style import DOWN, INK, POLARITY, QUIET, TYPE, UP, WIDTH, blank, place
 
+__all__ = [
+    "MOST_ARROWS",
+    "comparison",
+    "measurement",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 MOST_ARROWS = 900
 """Vectors that are drawn, at most."""
 _HALF = 78.0

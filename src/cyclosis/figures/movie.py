@@ -27,6 +27,19 @@ from .scene import Pixels, Scene, SceneLayout, Shot, draw_shot, open_stage
 from .subjects import Subject, subject_of
 from .tracers import Tracers
 
+__all__ = [
+    "FADE",
+    "FINEST",
+    "HEIGHT",
+    "PACE",
+    "movie",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 PACE = 0.6
 """Radii that the fastest flow moves a line in a second of the movie."""
 FADE = 0.5

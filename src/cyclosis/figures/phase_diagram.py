@@ -21,6 +21,22 @@ from .style import INK, SHADE, WIDTH, blank, place
 from .swept import Axis, Swept, place_of, swept
 from .thresholds import BorderCurve, given, thresholds
 
+__all__ = [
+    "CUTS",
+    "MOST_CUTS",
+    "PERCENT",
+    "chosen_cuts",
+    "draw_cut",
+    "percentages",
+    "phase_diagram",
+    "regimes_and_time",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 CUTS = 4
 """Largest number of cuts chosen by default."""
 MOST_CUTS = 6

@@ -9,13 +9,24 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from ..display.shown import shown
 from ..dynamics.trajectory import Trajectory
 from .style import WIDTH, signed
+
+__all__ = [
+    "Plot",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 """The name of one movie, or those of several."""
 
 
+@shown
 class Plot:
     """The figures of one run, each a matplotlib figure that a notebook shows; called, that of its course.
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,16 @@ from .style import INK, LEGEND, TYPE, blank, mathtext, place
 
 # Places in millimetres.
 _LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
-COLUMNS = 3
+COLUMNS, WIDE, NARROWEST = 3, 120.0, 80.0
+"""Panels side by side in a figure of at least so many millimetres. Narrower ones have two."""
+_NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT, _NARROW_BELOW, _NARROW_LABEL = 11.0, 12.0, 25.0, 8.0, 7.8
+_NARROW_ROW = _NARROW_HEIGHT + _ABOVE + _NARROW_BELOW
 SPEEDS = ("peak_speed", "rms_speed", "net_flux")
 """Recorded quantities that are speeds."""
 FONTS = TYPE | {"font.size": 9.0, "axes.labelsize": 9.0, "xtick.labelsize": 8.5}
 """The type of figures of many small panels."""
+_SMALL = {"font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7.0, "ytick.labelsize": 7.0}
+_SMALL_LEGEND = {"fontsize": 7.0, "ncols": 2, "labelspacing": 0.15, "borderaxespad": 0.3, "handlelength": 1.3}
 STYLES = ("-", (0, (3, 1.5)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
 """How the components of one quantity are told apart."""
 
@@ -32,19 +38,70 @@ def is_polar(dataset: xarray.Dataset) -> bool:
     return "model" not in json.loads(dataset.attrs.get("configuration", "{}"))
 
 
-def panels(width: float, rows: int) -> tuple[Figure, Callable[[int, int], Any]]:
-    """Return a figure with room for rows of three panels, and a function that adds one at (column, row)."""
-    across = (width - _LEFT - _RIGHT - (COLUMNS - 1) * _GAP) / COLUMNS
-    figure = blank(width, _BELOW + rows * (_HEIGHT + _ABOVE))
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """A figure of six or more small panels, in rows of three, or in rows of two if it is narrow."""
 
-    def panel(column: int, row: int) -> Any:
-        bottom = _BELOW + (rows - 1 - row) * (_HEIGHT + _ABOVE)
-        ax = place(figure, _LEFT + column * (across + _GAP), bottom, across, _HEIGHT)
+    figure: Figure
+    width: float
+    rows: int
+
+    @classmethod
+    def of(cls, width: float, count: int) -> Panels:
+        """Return a figure with room for so many panels."""
+        wide = width >= WIDE
+        rows = -(-count // (COLUMNS if wide else 2))
+        high = _BELOW + rows * (_HEIGHT + _ABOVE) if wide else rows * _NARROW_ROW
+        return cls(blank(width, high), width, rows)
+
+    @property
+    def columns(self) -> int:
+        """The number of panels in a row."""
+        return COLUMNS if self.width >= WIDE else 2
+
+    @property
+    def stacked(self) -> bool:
+        """Whether panels of one column share the labels of their horizontal axis."""
+        return self.columns == COLUMNS
+
+    def panel(self, column: int, row: int) -> Any:
+        """Add the panel in a row and a column."""
+        up = self.rows - 1 - row
+        if self.stacked:
+            start, gap, high = _LEFT, _GAP, _HEIGHT
+            bottom = _BELOW + up * (_HEIGHT + _ABOVE)
+        else:
+            start, gap, high = _NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT
+            bottom = _NARROW_BELOW + up * _NARROW_ROW
+        across = (self.width - start - _RIGHT - (self.columns - 1) * gap) / self.columns
+        ax = place(self.figure, start + column * (across + gap), bottom, across, high)
         ax.spines[["top", "right"]].set_visible(False)
-        ax.yaxis.set_label_coords(-0.2, 0.5)
+        ax.yaxis.set_label_coords(-0.2 if self.stacked else -_NARROW_LABEL / across, 0.5)
         return ax
 
-    return figure, panel
+    def pairs(self) -> list[list[Any]]:
+        """Add three pairs of panels: one above the other in each column, or side by side if it is narrow."""
+        if self.stacked:
+            return [[self.panel(column, row) for row in (0, 1)] for column in range(COLUMNS)]
+        return [[self.panel(column, row) for column in (0, 1)] for row in range(COLUMNS)]
+
+    def label(self, pairs: Sequence[Sequence[Any]], text: str) -> None:
+        """Write what the horizontal axes of pairs are: below each pair, or below each panel if narrow."""
+        for upper, lower in pairs:
+            lower.set_xlabel(text, labelpad=1.0)
+            if self.stacked:
+                upper.tick_params(labelbottom=False)
+            else:
+                upper.set_xlabel(text, labelpad=1.0)
+
+    def legend(self, ax: Any, *entries: Any) -> None:
+        """Draw the legend of a panel above it, in two lines if it needs them in a narrow figure."""
+        ax.legend(*entries, **(LEGEND if self.stacked else LEGEND | _SMALL_LEGEND))
+
+
+def fonts(width: float) -> dict[str, Any]:
+    """Return the type of such a figure."""
+    return FONTS if width >= WIDE else FONTS | _SMALL
 
 
 def recorded(dataset: xarray.Dataset) -> list[str]:
@@ -71,15 +128,17 @@ def draw_records(dataset: xarray.Dataset, width: float) -> Figure:
         16
     """
     names, scales = recorded(dataset), scales_in(dataset)
-    with setting(FONTS):
-        figure, panel = panels(width, -(-len(names) // COLUMNS))
+    with setting(fonts(width)):
+        panels = Panels.of(width, len(names))
         for number, name in enumerate(names):
-            row, column = divmod(number, COLUMNS)
-            ax = panel(column, row)
+            row, column = divmod(number, panels.columns)
+            ax = panels.panel(column, row)
             _over_time(ax, dataset[name], scales)
-            if number + COLUMNS >= len(names):
+            if dataset[name].ndim == 2:
+                panels.legend(ax)
+            if number + panels.columns >= len(names):
                 ax.set_xlabel(time_label(scales, float(dataset["time"].values[-1])), labelpad=1.0)
-    return figure
+    return panels.figure
 
 
 def _over_time(ax: Any, item: xarray.DataArray, scales: Scales | None) -> None:
@@ -89,8 +148,6 @@ def _over_time(ax: Any, item: xarray.DataArray, scales: Scales | None) -> None:
     labels = item[item.dims[1]].values if item.ndim == 2 else [None]
     for label, line, style in zip(labels, values, STYLES, strict=False):
         ax.plot(times, line, color=INK, linewidth=1.1, linestyle=style, label=label)
-    if item.ndim == 2:
-        ax.legend(**LEGEND)
     symbol = item.attrs["symbol"]
     name = mathtext(symbol) if symbol != "-" else str(item.name).replace("_", " ")
     ax.set_ylabel(name + unit.brackets)

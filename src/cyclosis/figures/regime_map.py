@@ -19,6 +19,21 @@ from .style import INK, LEGEND, QUIET, SHADE, WIDTH, ZONE, blank, place
 from .swept import Axis, Codes, axis
 from .thresholds import BorderCurve, given, thresholds
 
+__all__ = [
+    "COLOURS",
+    "LETTERS",
+    "MEANINGS",
+    "NONE",
+    "colour",
+    "regime_map",
+    "regions",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 LETTERS = {
     "disordered": "D",
     "unidirectional": "U",

@@ -19,6 +19,18 @@ from .looks import setting
 from .style import INK, SHADE, UP, WIDTH, ZONE, blank, place
 from .swept import Swept, grouped, swept
 
+__all__ = [
+    "COLOURS",
+    "regimes_and_time",
+    "shares",
+    "time_norm",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 COLOURS = {
     "disordered": (SHADE, ""),
     "unidirectional": ("#87ec98", ""),

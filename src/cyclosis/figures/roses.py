@@ -20,6 +20,17 @@ from . import frames
 from .looks import setting
 from .style import INK, QUIET, TYPE, WIDTH, blank, place, polarity_rgb
 
+__all__ = [
+    "ACROSS",
+    "ANGLES",
+    "roses",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 COLUMNS, ROWS = 8, 4
 """Points around the cell, and times at which they are shown."""
 ACROSS = 0.6

@@ -15,6 +15,16 @@ from .looks import setting
 from .style import TYPE, WIDTH, blank, place, scale_bar
 from .subjects import subject_of
 
+__all__ = [
+    "VIEWS",
+    "snapshot",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 VIEWS = ("both", "cylinder", "map")
 """What of a cell can be shown."""
 # Places in millimetres.

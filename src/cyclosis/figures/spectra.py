@@ -21,6 +21,20 @@ from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
 
+__all__ = [
+    "NEUTRAL",
+    "SHOWN",
+    "drifting",
+    "eigenvalues",
+    "profile",
+    "spectrum",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 SHOWN = 4
 """Modes that are drawn."""
 NEUTRAL = 1e-9

@@ -13,6 +13,28 @@ from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array, CylinderGrid, interpolate
 
+__all__ = [
+    "FINE",
+    "ROOM",
+    "SHORTEST",
+    "STEP",
+    "Streamline",
+    "Taken",
+    "Unrolled",
+    "Wall",
+    "even_fractions",
+    "even_points",
+    "filled",
+    "streamlines",
+    "traced",
+    "velocity_of",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 STEP = 0.04
 """Arc length between the points of a line, in radii."""
 FINE = 192

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
+import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,37 @@ from ..model.units import round_length
 from ..version import __version__
 from . import looks
 from .looks import setting
+
+__all__ = [
+    "DOWN",
+    "DPI",
+    "INK",
+    "LEGEND",
+    "PAPER",
+    "POLARITY",
+    "QUIET",
+    "SHADE",
+    "SUFFIXES",
+    "TYPE",
+    "UP",
+    "WIDTH",
+    "ZONE",
+    "blank",
+    "colour_key",
+    "marks",
+    "mathtext",
+    "place",
+    "polarity_rgb",
+    "save",
+    "scale_bar",
+    "signed",
+    "state_rgb",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 POLARITY = looks.polarity_map()
 """Colours of P_z from -1 (green) through 0 (nearly black) to 1 (purple), darker for smaller |P_z|."""
@@ -179,8 +212,11 @@ SUFFIXES = (".png", ".pdf", ".svg", ".eps")
 """Formats of figures."""
 
 
-def signed(figure: Figure, *datasets: Any) -> Figure:
-    """Return a figure that `save` marks as one of runs or sweeps, by the SHA-256 of their configurations.
+def signed(figure: Figure, *sources: Any) -> Figure:
+    """Return a figure that `save` marks by the SHA-256 of the configurations of what it was drawn from.
+
+    A source is the dataset of a run, a sweep or an experiment, which has this digest, or any configuration as
+    a plain table, of which it is the digest of its canonical JSON.
 
     Example:
         >>> import cyclosis as cy
@@ -190,17 +226,24 @@ def signed(figure: Figure, *datasets: Any) -> Figure:
         >>> data = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0).to_dataset()
         >>> style.signed(snapshot(data), data).get_label()[:20]
         'configuration_sha256'
+        >>> style.signed(style.blank(80.0, 40.0), {"alpha_p": 1.0}).get_label()[-8:]
+        '6b73ef01'
     """
-    figure.set_label(marks(*datasets))
+    figure.set_label(marks(*sources))
     return figure
 
 
-def marks(*datasets: Any) -> str:
-    """Return the SHA-256 of the configurations of runs, or the digests of sweeps, in words."""
+def marks(*sources: Any) -> str:
+    """Return in words the SHA-256 of configurations, or the digests of sweeps: see `signed`."""
+    return "; ".join(filter(None, map(_mark, sources)))
+
+
+def _mark(source: Any) -> str:
+    if isinstance(source, Mapping) and not hasattr(source, "attrs"):
+        text = json.dumps(source, sort_keys=True, separators=(",", ":"), default=str)
+        return f"configuration_sha256 {hashlib.sha256(text.encode()).hexdigest()}"
     names = ("configuration_sha256", "digest")
-    return "; ".join(
-        f"{name} {data.attrs[name]}" for data in datasets for name in names if name in data.attrs
-    )
+    return "; ".join(f"{name} {source.attrs[name]}" for name in names if name in source.attrs)
 
 
 def _metadata(figure: Figure, kind: str) -> dict[str, Any]:
@@ -219,7 +262,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a figure as PNG (300 dpi), PDF, SVG or EPS, by the suffix of `path`, and return the path.
 
     The file appears complete or not at all, and replaces an existing one. Its metadata name the program, and
-    the SHA-256 of the configuration if it is the figure of a run (see `signed`). Raises `InputError` for
+    the SHA-256 of the configuration of a `signed` figure. Raises `InputError` for
     other suffixes and for places that cannot be written to.
 
     Example:

@@ -25,6 +25,7 @@ DOUBTFUL = ("underresolved", "diverged")
 """Statuses of members that a figure mentions; these members are counted too."""
 _USED = ("regime", "status", "t_order", "initial_k0", "initial_m1")
 _SYMBOLS = {item.name: item.symbol for item in (*INITIAL, *GRID, *PARAMETERS) if item.symbol != "-"}
+_STEP_KEYS = {"at": "time", "over": "duration"}
 _RAISED = {"⁽ˢ⁾": "^{(s)}", "⁽ʳ⁾": "^{(r)}", "ℓ": r"\ell"}
 
 
@@ -39,6 +40,10 @@ class Axis:
     @property
     def symbol(self) -> str:
         """The parameter's symbol set as mathematics, or its name in words."""
+        step, _, key = self.name.removeprefix("protocol.").rpartition(".")
+        if step:  # an axis over a step of a protocol
+            key = _SYMBOLS.get(key, _STEP_KEYS.get(key, key.replace("_", " ")))
+            return f"{key} of {step.removesuffix('.where')}"
         symbol = _SYMBOLS.get(self.name)
         if symbol is None:
             return self.name.replace("_", " ")

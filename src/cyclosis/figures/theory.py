@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 
+import matplotlib
 import numpy as np
 import xarray
 from matplotlib.lines import Line2D
@@ -18,7 +20,7 @@ from ..model.grid import Array
 from ..model.parameters import Parameters
 from ..stability.profiles.profile import Profile, stripes
 from .frames import frame, grid_of
-from .style import DOWN, INK, LEGEND, UP
+from .style import DOWN, INK, UP
 
 _NEEDED = {"bundling", "flow_alignment", "diffusion", "rotational_diffusion"}
 """Terms without which the theory does not apply; the others do not affect straight stripes."""
@@ -46,11 +48,12 @@ def expected(dataset: xarray.Dataset) -> Profile | str:
         return "no theory for these parameters"
 
 
-def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset) -> None:
+def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset, legend: Callable[..., None]) -> None:
     """Draw the axial means of P_z and u_z in a run's last frame, and the theory, into two axes.
 
     Points are the run, coloured by the direction of P_z; lines are the theory, shifted so that the rising
-    zones coincide. The largest difference between them is stated. Everything is dimensionless.
+    zones coincide. The largest difference between them is stated; `legend` draws that of the first panel.
+    Everything is dimensionless.
     """
     theta = np.asarray(dataset["theta"].values, dtype=np.float64)
     measured = [field[1].mean(axis=1) for field in frame(dataset, -1)]
@@ -72,14 +75,19 @@ def draw_profiles(axes: tuple[Any, Any], dataset: xarray.Dataset) -> None:
         top = 1.1 * max(float(np.abs(measured[k]).max()), 1e-3)
         # The note is above the curve, inside the axes.
         ax.set(xlim=(0, 2 * np.pi), ylim=(-top, 1.4 * top), ylabel=f"$\\langle {name}\\rangle_z$")
-        ax.text(0.5, 0.98, note, transform=ax.transAxes, ha="center", va="top", fontsize=8.5)
+        ax.text(0.5, 0.98, note, transform=ax.transAxes, ha="center", va="top", fontsize=_note_size())
         ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
     if lines is not None:
         point, line = (
             Line2D([], [], color=UP, marker=".", markersize=3.2, markeredgewidth=0, linestyle=""),
             Line2D([], [], color=INK, linewidth=0.8),
         )
-        axes[0].legend([point, line], ["run", "theory"], **LEGEND)
+        legend(axes[0], [point, line], ["run", "theory"])
+
+
+def _note_size() -> float:
+    """Return the size of the note: half a point below that of the labels."""
+    return float(matplotlib.rcParams["axes.labelsize"]) - 0.5
 
 
 def _power_of_ten(value: float) -> str:

@@ -15,6 +15,18 @@ from ..model.units import length_text
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, ZONE, state_rgb
 
+__all__ = [
+    "SCALE",
+    "draw_map",
+    "mark_edges",
+    "paint_map",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 SCALE = 1.35
 """Lines are wider and sparser than on a cylinder, because maps are printed at a smaller scale."""
 _EDGE = 0.2

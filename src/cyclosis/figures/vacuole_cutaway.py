@@ -24,6 +24,22 @@ from .looks import setting
 from .streamlines import traced
 from .style import INK, PAPER, QUIET, TYPE, ZONE, blank, colour_key, place, polarity_rgb
 
+__all__ = [
+    "ACROSS",
+    "LINES",
+    "LONG",
+    "PIXELS",
+    "STEPS",
+    "spread_streamlines",
+    "vacuole_cutaway",
+    "velocity_in",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 PIXELS = 480
 """Colour samples across the diameter."""
 LINES = 70

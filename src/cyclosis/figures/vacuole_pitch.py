@@ -14,6 +14,16 @@ from ..vacuole.helix import axis_speed, radial_stream
 from .looks import setting
 from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 
+__all__ = [
+    "SHOWN",
+    "vacuole_pitch",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 SHOWN = (1.5, 2.8222629826, 5.0, 10.0)
 """Pitches whose stream functions are drawn, in R; the second is that of the fastest circulation."""
 # Places in millimetres.

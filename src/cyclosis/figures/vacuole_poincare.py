@@ -17,6 +17,15 @@ from ..vacuole.section import winding
 from .looks import setting
 from .style import INK, QUIET, TYPE, blank, place
 
+__all__ = [
+    "vacuole_poincare",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 TRACERS, DURATION = 32, 800.0
 """Tracers, and how long they are followed, in R/U."""
 LEVELS, ACROSS = 13, 161

@@ -15,6 +15,17 @@ from ..vacuole.flow import VacuoleFlow
 from .looks import setting
 from .style import INK, POLARITY, QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb
 
+__all__ = [
+    "ARROWS",
+    "RING",
+    "vacuole_section",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 RADII, AROUND = 65, 360
 """Points of the colours on the section."""
 ARROWS = 15

@@ -13,6 +13,15 @@ from .looks import setting
 from .style import INK, QUIET, TYPE, UP, blank, place
 from .vacuole_bands import compared, legend_of, peclet_numbers, wound
 
+__all__ = [
+    "vacuole_uptake",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 # Places in millimetres.
 _LEFT, _BELOW, _HIGH, _ABOVE, _RIGHT = 15.0, 11.0, 56.0, 4.0, 4.0
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..model.doors import door
 from ..model.errors import InputError, choice, closest, number, whole
+from ..model.reporting import Progress, counted, reported
 from ..model.scales import Scales
 from .film import Film, film_of, noise_of
 from .geometry import tilts, visible
@@ -42,7 +43,7 @@ def fit(
     geometry: Mapping[str, float] | None = None,
     draws: int = 8,
     length: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> Fit:
     """Return the parameters of a measured cell, with intervals, or a sentence that says what it cannot tell.
 
@@ -63,7 +64,8 @@ def fit(
     geometry: standard deviations of the camera's geometry, of axis_deg, radius (relative) and centre (in
     radii); intervals then include it. `draws` times the estimated noise is added again, from `seed`, for the
     intervals. `length` is the period of the cell along the axis in a fit of a film, by default that of the
-    data's attribute length or 1.2 times the window. `progress(done, total)` is called by "film".
+    data's attribute length or 1.2 times the window. A fit by "film" shows a bar in a
+    terminal or a notebook unless `progress` is False; a function is called as `progress(done, total)`.
 
     What the data cannot tell is NaN with the interval (0, inf), and `Fit.refused` says why. Raises
     `InputError` for what is no measurement. Method: `docs/fitting.md`.
@@ -105,7 +107,8 @@ def fit(
 
         if parameters is None or "U" not in wanted:
             fixed = {"U": 1.0} | fixed
-        return by_film(film, wanted, fixed, seed, length, progress)
+        with reported(progress, "fit", counted) as report:
+            return by_film(film, wanted, fixed, seed, length, report)
     from .steady import by_profile
 
     return by_profile(film, wanted, fixed, seed)

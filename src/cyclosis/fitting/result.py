@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..display.shown import shown
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.scales import Scales
@@ -19,6 +20,7 @@ ORDER = ("alpha_p", "alpha_u", "epsilon", "d_s", "d_r", "kappa", "mu", "U")
 """The names that a fit may report, in the order in which they are listed."""
 
 
+@shown
 @dataclass(frozen=True)
 class Direction:
     """A combination of parameters and how well the measurement fixes it.
@@ -42,6 +44,7 @@ class Direction:
         return f"{known}: " + " ".join(f"{share:+.2f} {name}" for name, share in large if abs(share) > 0.1)
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Fit:
     """The parameters of a measured cell, by `cyclosis.fit`. All are dimensionless, in R, U and R/U.

@@ -18,6 +18,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from ..display.shown import shown
 from .closures import PAPER, turned
 from .equation import EQUATION, TermKind
 from .errors import InputError
@@ -25,6 +26,7 @@ from .moment import Moment
 from .spectral import dot, pack, unpack
 
 
+@shown
 @dataclass(frozen=True)
 class Term:
     """One term of dP/dt.

@@ -16,6 +16,24 @@ from .doors import door
 from .errors import InputError
 from .grid import Array, CylinderGrid, covered, interpolate, same_length
 
+__all__ = [
+    "bump",
+    "circumferential",
+    "disordered",
+    "fitted",
+    "from_file",
+    "noise",
+    "standard_noise",
+    "stripes",
+    "unidirectional",
+    "with_concentration",
+    "with_noise",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
 
 @door
 def noise(

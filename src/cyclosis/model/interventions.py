@@ -14,6 +14,9 @@ AT = Definition("at", "t", "time of the step", None, "number", 0.0, 1e9, needed=
 OVER = Definition(
     "over", "-", "duration of a linear ramp from that time on; 0 is a jump", 0.0, "number", 0.0, 1e9
 )
+NAME = Definition(
+    "name", "-", "name of the step, by which an axis of a sweep finds it", None, "text", optional=True
+)
 SHORTEST_RAMP = 1e-6
 """The shortest ramp that is not a jump."""
 FILAMENTS = replace(

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from ..display.shown import shown
 from .doors import door
 from .errors import InputError, number
 from .parameters import Coupling, Parameters
@@ -20,6 +21,7 @@ PEAK_SPEED = 0.9714276568
 """Steady peak speed in units of U at the parameters of the paper's Figure 4."""
 
 
+@shown
 @dataclass(frozen=True)
 class PhysicalParameters:
     """The parameters of a cell in the physical units that their suffixes name.
@@ -47,6 +49,7 @@ class PhysicalParameters:
     force_exponent: float
 
 
+@shown
 @dataclass(frozen=True)
 class Scales:
     """Units of a cell: radius R (µm), speed U = Φ/ν (µm/s) and wall friction ν (Pa s/m).

@@ -90,6 +90,15 @@ class System:
         """
         return replace(self, values=values)
 
+    @property
+    def varying(self) -> tuple[Values, Ramp | None]:
+        """What differs between cells of one shape and one flow operator: values, and their ramps."""
+        return self.values, self.ramp
+
+    def with_varying(self, varying: tuple[Values, Ramp | None]) -> System:
+        """Return the same system with the values of another cell."""
+        return replace(self, values=varying[0], ramp=varying[1])
+
     def linear(self) -> jax.Array:
         """Return the real symbol of the linear part, shape (n_theta, n_z); zero if not `split`."""
         now = Moment(0.0, self.space.k2, self.strongest(), self.space, self.operator, self.cubic, self.grid)

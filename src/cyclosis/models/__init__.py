@@ -26,6 +26,29 @@ from .kinetic.model import kinetic_model
 from .polar_cylinder import polar as polar
 from .polar_model import polar_model as polar_model
 
+__all__ = [
+    "FREE",
+    "MAKERS",
+    "MODELS",
+    "closed",
+    "closed_model",
+    "coupled",
+    "coupled_model",
+    "kinetic",
+    "kinetic_model",
+    "named",
+    "of_grid",
+    "of_tables",
+    "polar",
+    "polar_model",
+    "starts_of",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 MODELS = {item.name: item for item in (polar, kinetic, coupled, closed)}
 """All models by name."""
 

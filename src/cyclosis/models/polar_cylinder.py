@@ -141,8 +141,8 @@ polar = Model(
         look=Look.of_signs,
         look_of_state=Look.of_state,
         shared=_shared,
-        values=lambda system: system.values,
-        with_values=System.with_values,
+        values=lambda system: system.varying,
+        with_values=System.with_varying,
         certain=_certain,
     ),
     starts=Starts(

@@ -21,3 +21,26 @@ from .rim import Rim as Rim
 from .rim import rim as rim
 from .surface import on_surface as on_surface
 from .view import View as View
+
+__all__ = [
+    "FORMATS",
+    "Comparison",
+    "Frame",
+    "LineSpeeds",
+    "Observation",
+    "Recording",
+    "Rim",
+    "View",
+    "compare",
+    "film",
+    "gridded",
+    "line_speeds",
+    "observe",
+    "on_surface",
+    "read",
+    "rim",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

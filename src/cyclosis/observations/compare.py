@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..display.notebook import text_tree
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, number
 from .model_field import Array, ModelFlow, model_flow
@@ -24,6 +25,7 @@ LEAST_POINTS = 20
 """Measured values that a comparison needs."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """How a run fits a measurement.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.doors import door
 from ..model.errors import InputError, number, whole
@@ -19,6 +20,7 @@ DISTINCT = 1.25
 """How much higher the highest peak must be than the next one: otherwise streaks could be mistaken."""
 
 
+@shown
 @dataclass(frozen=True)
 class LineSpeeds:
     """Speeds along the line of a kymograph, in windows of its columns and rows.

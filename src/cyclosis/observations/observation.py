@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..display.notebook import text_tree
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, flag, number
 from .formats.content import ANGLE, KYMOGRAPH, SLICE, SURFACE, TRACKS, VELOCITY
@@ -24,6 +25,7 @@ Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Frame:
     """What was measured at one time: samples at points of the image.
@@ -90,6 +92,7 @@ def gridded(
     )
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Observation:
     """A measurement of a cell, in the image; with a `View` also on its surface.

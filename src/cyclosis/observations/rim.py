@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.doors import door
 from ..model.errors import InputError, number
@@ -22,6 +23,7 @@ LEAST_CONTRAST = 3.0
 """How many times the spread of the background the brightness within the rim must differ from it."""
 
 
+@shown
 @dataclass(frozen=True)
 class Rim:
     """The place of a cell in an image: what a `View` needs, except for z = 0 and the angle that faces it.

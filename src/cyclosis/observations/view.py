@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.doors import door
 from ..model.errors import InputError, flag, number
@@ -19,6 +20,7 @@ LARGEST = 1e9
 """The largest radius, centre and angle that are taken: beyond, differences of pixels drown in rounding."""
 
 
+@shown
 @dataclass(frozen=True)
 class View:
     """A camera that looks at the side of a cylindrical cell.

@@ -54,6 +54,61 @@ from .uniform.dispersion import tilt_threshold as tilt_threshold
 from .uniform.dispersion import unidirectional_order as unidirectional_order
 from .uniform.uniform import orders as orders
 
+__all__ = [
+    "AxialState",
+    "AzimuthalMode",
+    "Branch",
+    "CellModes",
+    "Drifting",
+    "Limits",
+    "Modes",
+    "Profile",
+    "RegimeMap",
+    "SpecialPoint",
+    "SteadyState",
+    "Threshold",
+    "azimuthal_mode",
+    "azimuthal_rates",
+    "common_threshold",
+    "continue_branch",
+    "cyclosis",
+    "destabilised",
+    "diagram",
+    "dispersion",
+    "drifting",
+    "elliptic",
+    "elliptic_growth",
+    "elliptic_profile",
+    "fold",
+    "fold_with_error",
+    "front_threshold",
+    "growth_matrix",
+    "growth_rates",
+    "leading_modes",
+    "limits",
+    "neighbourhood",
+    "orders",
+    "profile",
+    "regime_map",
+    "source_to_sink",
+    "states",
+    "steady_state",
+    "stripe_modes",
+    "stripes",
+    "stripes_threshold",
+    "threshold",
+    "threshold_with_error",
+    "tilt_threshold",
+    "unequal",
+    "unequal_branch",
+    "unidirectional_order",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 # Public modules keep the paths under which they can be imported.
 for _module in (dispersion, elliptic, profile):
     sys.modules[f"{__name__}.{_module.__name__.rpartition('.')[2]}"] = _module

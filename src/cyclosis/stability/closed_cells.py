@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ..closed import initial
 from ..closed.grid import Array, ClosedGrid
 from ..closed.system import PRINCIPAL, ClosedSystem
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, whole
 from ..model.filaments import TermLike
@@ -32,6 +33,7 @@ CLOSE = 1e-12
 """Newton's method ends when a step is smaller than this root mean square of P."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class AxialState:
     """A steady state that does not depend on θ: `P` (2, n_theta, n_s), its `modes`, and the rest of dP/dt.
@@ -142,6 +144,7 @@ def azimuthal_rates(
     return rates[np.argsort(-rates.real)]
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class AzimuthalMode:
     """A perturbation that grows or decays: its `rate`, itself, `P` (2, n_theta, n_s), and the rate's `parts`.

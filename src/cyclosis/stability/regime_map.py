@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import series
 from ..model.definitions import PARAMETERS, definition
 from ..model.doors import door
@@ -26,6 +27,7 @@ AXES = (*NUMBERS, "length")
 """The possible axes of a map: parameters that are numbers, and the length of the cell."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class RegimeMap:
     """Which of `STATES` exist and are stable over two parameters, dimensionless.

@@ -21,6 +21,7 @@ from distributed.scheduler import KilledWorker
 from ..dynamics.interrupts import Interrupts
 from ..model.doors import door
 from ..model.errors import InputError, whole
+from ..model.reporting import Progress, counted, reported
 from .cluster import running_cluster
 from .cluster.local_cluster import local_client
 from .cluster.progress import SweepProgress, SweepSummary, Tally
@@ -52,7 +53,7 @@ def run_sweep(
     client: Client | None = None,
     *,
     workers: int | None = None,
-    progress: Watcher | None = None,
+    progress: Progress = None,
     compute: Compute | None = None,
 ) -> SweepSummary:
     """Compute the blocks of a sweep that a store lacks, and return a summary.
@@ -60,7 +61,8 @@ def run_sweep(
     The store is a folder, which is created if it does not exist. `client` is a client of a running Dask
     cluster, whose workers need this package and the store's folder; without it `workers` processes are
     started here, by default one per core (a script must then call this under
-    `if __name__ == "__main__":`). `progress` is called with a `SweepProgress` a few times a second.
+    `if __name__ == "__main__":`). `progress` shows a bar in a terminal or a notebook unless it is
+    False; a function is called with a `SweepProgress` a few times a second.
     `compute(sweep, index)` may replace that of `cyclosis.sweep.store.block`.
 
     A block that raises an exception is tried three times, and so is a block whose worker dies; then it is
@@ -87,7 +89,7 @@ def repair(
     client: Client | None = None,
     *,
     workers: int | None = None,
-    progress: Watcher | None = None,
+    progress: Progress = None,
     compute: Compute | None = None,
 ) -> SweepSummary:
     """Discard the damaged blocks of a store, and compute all blocks that it lacks.
@@ -123,12 +125,26 @@ def _complete(
     store: Store,
     client: Client | None,
     workers: int | None,
-    progress: Watcher | None,
+    progress: Progress,
     compute: Compute | None,
 ) -> SweepSummary:
     _check_arguments(workers, client)
+    with reported(progress, "sweep", _told) as report:
+        return _executed(store, client, workers, report or (lambda now: None), compute)
+
+
+def _told(now: SweepProgress) -> tuple[float, str]:
+    """Return the share of a sweep that is done, and in words what its members have become."""
+    share, words = counted(now.done, now.total)
+    regimes = ", ".join(f"{count} {name}" for name, count in now.regimes.items())
+    return share, f"{words} runs" + (f" ({regimes})" if regimes else "")
+
+
+def _executed(
+    store: Store, client: Client | None, workers: int | None, show: Watcher, compute: Compute | None
+) -> SweepSummary:
     store.clean()
-    execution = Execution(store, progress or (lambda now: None))
+    execution = Execution(store, show)
     if not execution.queue:
         return execution.ended(False)
     task = BlockTask(str(store.path), store.digest, compute)

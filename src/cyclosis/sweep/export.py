@@ -28,6 +28,16 @@ from .store.block_file import Arrays
 from .store.read import choose, open_sweep
 from .store.store import Store
 
+__all__ = [
+    "PIECE_BYTES",
+    "export",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 PIECE_BYTES = 2**26
 """Approximate memory of the pieces in which variables are copied."""
 

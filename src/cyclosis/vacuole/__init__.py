@@ -45,3 +45,42 @@ from .walls import Sealed as Sealed
 from .waves import Wave as Wave
 from .waves import drag as drag
 from .waves import wave as wave
+
+__all__ = [
+    "CLOSURES",
+    "Absorbing",
+    "Crossings",
+    "Dispersion",
+    "Exchange",
+    "Held",
+    "Paths",
+    "Sealed",
+    "Steady",
+    "StreamFunction",
+    "Stretching",
+    "Transport",
+    "UnsteadyFlow",
+    "VacuoleFlow",
+    "Wave",
+    "axis_speed",
+    "band_exchange",
+    "dispersion",
+    "drag",
+    "flow",
+    "flow_of_state",
+    "helical_bands",
+    "mixing_rate",
+    "poincare",
+    "residence_times",
+    "steady",
+    "stream_function",
+    "stretching",
+    "trace",
+    "transport",
+    "uptake",
+    "wave",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

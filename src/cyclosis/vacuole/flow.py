@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, choice, whole
 from ..model.grid import Array, CylinderGrid
@@ -28,6 +29,7 @@ SOLENOIDAL = 1e-8
 """Share of the wall's velocity gradient below which its divergence is that of rounding."""
 
 
+@shown
 @dataclass(frozen=True, eq=False, repr=False)
 class VacuoleFlow:
     """Stokes flow inside the cell, r < 1, driven by the velocity of its wall r = 1.

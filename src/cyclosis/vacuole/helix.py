@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.bessel import ratios
 from ..model.doors import door
@@ -112,7 +113,8 @@ def _pitches(pitch: npt.ArrayLike) -> Array:
     return values
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@shown
+@dataclass(frozen=True, eq=False)
 class StreamFunction:
     """ψ of a helical flow: r v_r = ∂_φ ψ and v_θ - Q r v_z = -∂_r ψ, with φ = θ - Qz and ψ = 0 at the wall.
 

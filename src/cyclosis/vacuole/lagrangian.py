@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, choice, number
 from ..model.grid import Array
@@ -22,6 +23,7 @@ APART = 1e-6
 """First distance of two tracers, in R; they are brought back to it after every interval."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Crossings:
     """Where tracers pass a cross-section: `xy` (crossings, 2), `tracer`, `t`, `forwards` (u_z > 0).
@@ -120,6 +122,7 @@ def residence_times(paths: Paths, region: Callable[[Array, Array, Array], npt.Ar
     return np.concatenate(found) if found else np.zeros(0)
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Stretching:
     """Stretching of small distances: `exponent` (times, n) = ln(|δ(t)|/|δ(0)|)/t in U/R, with its times `t`.

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, whole
 from ..model.grid import Array
@@ -31,6 +32,7 @@ KRYLOV = 200
 RESTARTS = 10
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Steady:
     """A steady scalar: `c` (n_r, n_theta, n_z) at `r`, `theta`, `z`, dimensionless but for the unit of c.

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError
 from .flow import VacuoleFlow
@@ -28,6 +29,7 @@ from .section import Section, section, winding
 from .steady import cell_problem
 
 
+@shown
 @dataclass(frozen=True)
 class Dispersion:
     """Spreading along the cell: `coefficient` = (D_eff/D - 1)/Pe², and the `peclet` it holds at.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, choice, number, whole
 from ..model.grid import Array
@@ -35,6 +36,7 @@ TOGETHER = 25
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Paths:
     """Where tracers were: `xyz` (times, n, 3), Cartesian, at the times `t` (times,); z is not wrapped.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.doors import door
 from ..model.errors import InputError, number, whole
@@ -29,6 +30,7 @@ COURANT = 2.0
 """Steps are at most this over the fastest rate of advection; the method is stable up to 2.8."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Transport:
     """A scalar over time. All dimensionless: lengths in R, times in R/U, c in the unit of the start.

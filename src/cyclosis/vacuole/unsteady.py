@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display.shown import shown
 from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 from ..model.instants import instant
@@ -22,6 +23,7 @@ KEPT = 16
 """Frames whose waves are kept."""
 
 
+@shown
 @dataclass(frozen=True, eq=False, repr=False)
 class UnsteadyFlow:
     """The flow in the vacuole during a run: Stokes flow has no memory, so each moment is a `VacuoleFlow`.

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.errors import InputError, number
 from ..model.grid import Array
@@ -25,6 +26,7 @@ Pattern = float | npt.ArrayLike | Callable[[Array, Array], npt.ArrayLike]
 """A number, an array (n_theta, n_z), or a function of θ and z that takes arrays of these shapes."""
 
 
+@shown
 @dataclass(frozen=True)
 class Sealed:
     """A wall that nothing passes: the amount in the vacuole is constant.
@@ -46,6 +48,7 @@ class Sealed:
         return 0.0
 
 
+@shown
 @dataclass(frozen=True)
 class Absorbing(Sealed):
     """A wall that takes up whatever reaches it: c = 0 there.
@@ -62,6 +65,7 @@ class Absorbing(Sealed):
         return np.inf
 
 
+@shown
 @dataclass(frozen=True)
 class Exchange:
     """A wall that exchanges with a value `outside`: c_r + biot (c - outside) = 0.
@@ -95,6 +99,7 @@ class Exchange:
         return self.outside
 
 
+@shown
 @dataclass(frozen=True)
 class Held(Absorbing):
     """A wall at which c is held at `value`: a number, an array (n_theta, n_z) or a function of θ and z.

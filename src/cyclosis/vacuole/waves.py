@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..display.shown import shown
 from ..model import interior
 from ..model.arrays import numbers
 from ..model.doors import door
@@ -20,6 +21,7 @@ HIGHEST = 10_000
 """The highest m of single waves."""
 
 
+@shown
 class Wave(NamedTuple):
     """The flow of one wave: complex amplitudes of e^{i(mθ + qz)}, dimensionless.
 

@@ -28,3 +28,28 @@ from .shapes import disc as disc
 from .shapes import band as band
 from .shapes import strips as strips
 from .images import image as image
+
+__all__ = [
+    "LARGEST_IMAGE",
+    "LARGEST_TEXT",
+    "ROUNDING",
+    "Band",
+    "Box",
+    "Complement",
+    "Disc",
+    "Image",
+    "Intersection",
+    "Mask",
+    "Region",
+    "Strips",
+    "Union",
+    "band",
+    "box",
+    "disc",
+    "image",
+    "strips",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ...display.shown import shown
 from ..errors import InputError
 from .shapes import ROUNDING, Mask, Region
 
@@ -19,6 +20,7 @@ LARGEST_TEXT = 24_000
 """Characters of a packed image: it is stored with every run, in an attribute of at most 64 kB."""
 
 
+@shown
 @dataclass(frozen=True)
 class Image(Region):
     """The light pixels of an image, `width` x `height`; `pixels` holds them packed as text.

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from ...display.shown import shown
 from ..doors import door
 from ..errors import InputError
 from ..interventions import SHAPES
@@ -19,6 +20,7 @@ ROUNDING = 1e-9
 """A point no farther than this before an edge counts as on it."""
 
 
+@shown
 @dataclass(frozen=True)
 class Region:
     """A part of the surface. Make one with the functions of this module, not with its classes.
@@ -88,6 +90,7 @@ class Region:
         return f"{self.shape} ({', '.join(values)})"
 
 
+@shown
 @dataclass(frozen=True)
 class Box(Region):
     """theta0 <= theta < theta1 and z0 <= z < z1, each wrapping around if its first end is beyond the second.
@@ -119,6 +122,7 @@ class Box(Region):
         return _between(theta, self.theta0, self.theta1, 2 * np.pi) & _between(z, self.z0, self.z1, length)
 
 
+@shown
 @dataclass(frozen=True)
 class Disc(Region):
     """All points within `radius` of (theta, z), measured on the surface; radians and radii.
@@ -154,6 +158,7 @@ class Disc(Region):
         return np.hypot(around, along) <= self.radius + ROUNDING
 
 
+@shown
 @dataclass(frozen=True)
 class Band(Region):
     """start <= axis < stop, wrapping around if start is beyond stop.
@@ -191,6 +196,7 @@ class Band(Region):
         return _between(z, self.start, self.stop, length) & (theta == theta)
 
 
+@shown
 @dataclass(frozen=True)
 class Strips(Region):
     """`count` strips at even distances along an axis that cover a `share` of the surface.
@@ -213,6 +219,7 @@ class Strips(Region):
         return (place * self.count - self.offset + ROUNDING) % 1.0 < self.share
 
 
+@shown
 @dataclass(frozen=True)
 class Complement(Region):
     """All points outside a region.
@@ -281,6 +288,7 @@ class _Combined(Region):
         return "(" + f" {self.word} ".join(map(str, self.parts)) + ")"
 
 
+@shown
 @dataclass(frozen=True)
 class Union(_Combined):
     """All points in any of the parts.
@@ -296,6 +304,7 @@ class Union(_Combined):
     combine = np.logical_or.reduce
 
 
+@shown
 @dataclass(frozen=True)
 class Intersection(_Combined):
     """All points in every one of the parts.

@@ -80,8 +80,8 @@ def uneven(base: Model, force_density: str) -> Model:
         base.lanes,
         signs=quantities.signs,
         look_of_state=lambda state: Look.of_state(state[:2]),
-        values=lambda system: system.base.values,
-        with_values=lambda system, values: replace(system, base=system.base.with_values(values)),
+        values=lambda system: system.base.varying,
+        with_values=lambda system, values: replace(system, base=system.base.with_varying(values)),
         certain=None,
     )
     return replace(

@@ -16,6 +16,7 @@ from scipy.linalg import eig
 from scipy.optimize import root
 from scipy.special import ive
 
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, choice, number, whole
 from ...model.parameters import Parameters
@@ -27,6 +28,7 @@ SAME = 1e-12
 """Largest |<p> - P| of a state that counts as steady."""
 
 
+@shown
 class NematicThresholds(NamedTuple):
     """Bundling rates a_p above which polarity grows from the nematic state, across and along d.
 

@@ -67,7 +67,7 @@ def write(recording: Recording, folder: Path, format: str, force: bool) -> list[
                 "out", str(target), rule, f"choose another ({error.strerror or error})"
             ) from error
         paths.append(target)
-    return [*paths, style.save(recording.figure(), folder / picture)]
+    return [*paths, style.save(style.signed(recording.figure(), truth), folder / picture)]
 
 
 def prepare(folder: Path, names: list[str], force: bool) -> None:

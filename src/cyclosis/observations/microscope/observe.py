@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, choice, closest
 from ..view import View
@@ -46,6 +47,7 @@ FORMATS: dict[str, tuple[str, ...]] = {
 """The formats of the files of each instrument; the first is the usual one."""
 
 
+@shown
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """What an instrument recorded of a run, and how it looked at it.

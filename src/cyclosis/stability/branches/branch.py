@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from ...display.shown import shown
 from ...model.errors import InputError, number
 from ...model.grid import Array, CylinderGrid
 from ...model.parameters import Parameters
@@ -26,6 +27,7 @@ MEASURES = ("max_P", "max_u", "mean_P_theta", "mean_P_z", "rms_P", "rms_u", "dri
 """Numbers of every state of a branch: `Branch.measures`, and its drift."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class SpecialPoint:
     """Something that happens on a branch.
@@ -52,6 +54,7 @@ class SpecialPoint:
     ends: bool = False
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Branch:
     """Steady and drifting states over one parameter, in order along the branch, dimensionless.

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from ...closed.grid import ClosedGrid
 from ...closed.system import PRINCIPAL
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError
 from ...model.filaments import TermLike
@@ -49,6 +50,7 @@ STRONG, ALIKE = 0.1, 0.5
 """Relative variation of a guess along an axis that must persist, and least correlation with the guess."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class SteadyState:
     """A steady state, or one that moves without changing, dimensionless.

@@ -23,6 +23,7 @@ import scipy.linalg
 
 from ...closed.grid import ClosedGrid
 from ...closed.system import PRINCIPAL
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, whole
 from ...model.filaments import TermLike
@@ -51,6 +52,7 @@ STEADY = 1e-6
 """Root mean square of dP/dt + c·∇P, relative to P, above which a state does not count as steady."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class CellModes:
     """Modes v e^{λt} of small perturbations of a state that moves at `drift`, dimensionless.

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from ...display.shown import shown
 from ...model.arrays import series
 from ...model.definitions import definition
 from ...model.doors import door
@@ -39,6 +40,7 @@ ROUND = 1e-9
 """A value of α_p within this relative distance of d_r + d_s is taken to equal it."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Limits:
     """Existence and stability of two stripes over a parameter, dimensionless; arrays (points,).

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, flag, number, whole
 from ...model.parameters import Parameters
@@ -28,6 +29,7 @@ POINTS = 32.0
 """Points needed per turn, for each zone width (2 d_s/a)^½ per radian: P is then accurate to about 1e-11."""
 
 
+@shown
 @dataclass(frozen=True)
 class Threshold:
     """The α_u above which two stripes exist, or are stable, and the error of this value, dimensionless.

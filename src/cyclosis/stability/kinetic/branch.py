@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ...display.shown import shown
 from ...model.definitions import definition
 from ...model.doors import door
 from ...model.errors import InputError, choice, number, whole
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     import xarray
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class KineticBranch:
     """Travelling states over one parameter, in order along the branch, dimensionless.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, choice, number, whole
 from ...model.parameters import Parameters
@@ -27,6 +28,7 @@ LEADING = 2
 """Growth rates that are kept for each wave."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class KineticDispersion(DispersionTable):
     """Growth rates of waves about a uniform state of the kinetic model, as in `DispersionTable`.

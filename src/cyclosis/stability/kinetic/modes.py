@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigs
 
+from ...display.shown import shown
 from ...model.errors import whole
 from ...model.grid import Array
 from .line import Complex, Line, mirrored
@@ -33,6 +34,7 @@ PARALLEL = 0.999
 SEED = 0
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class KineticModes:
     """Growth rates and modes of perturbations δ_n(θ) e^{iqz} of the moments, in the state's frame.

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, choice, number, whole
 from ...model.grid import Array, CylinderGrid
@@ -32,6 +33,7 @@ UNIFORM = 1e-6
 """Root mean square of what varies of P, or of P itself, below which a state is uniform, or not polar."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class TravellingState:
     """A state of the kinetic model that travels around the axis at the speed `drift`, dimensionless.

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ...display.shown import shown
 from ...model.arrays import numbers
 from ...model.doors import door
 from ...model.errors import InputError, choice, whole
@@ -35,6 +36,7 @@ LARGEST = 2048
 """Most points around for which the eigenvalues of the whole matrix are computed."""
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Modes:
     """Eigenvalues and modes of perturbations v(θ) e^{iqz} of a state, dimensionless.

@@ -29,6 +29,20 @@ from ...model.grid import Array
 from ...model.parameters import Parameters
 from ...model.wording import beside
 
+__all__ = [
+    "LEAST",
+    "complementary",
+    "elliptic_growth",
+    "elliptic_profile",
+    "elliptic_rates",
+    "front_threshold",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 LEAST = 1e-150
 """Smallest complementary parameter 1 - k² that is used: the growth rate is proportional to its square."""
 

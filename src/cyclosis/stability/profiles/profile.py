@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...analysis.zones import stripe_widths, zone_angles
+from ...display.shown import shown
 from ...model.arrays import numbers
 from ...model.doors import door
 from ...model.errors import InputError, number, whole
@@ -29,6 +30,20 @@ from .eigenmodes import Modes, profile_modes
 if TYPE_CHECKING:
     import xarray
 
+__all__ = [
+    "SMALLEST",
+    "UNRESOLVED",
+    "Profile",
+    "check",
+    "cyclosis",
+    "stripes",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 SMALLEST = 1e-5
 """A state with no larger |P| counts as disorder."""
 UNRESOLVED = 1e-2
@@ -37,6 +52,7 @@ _TOLERANCE = 1e-12
 _ITERATIONS = 400
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Profile:
     """A steady state P(theta) e_z of stripes and its flow u(theta) e_z, dimensionless.

@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, choice, number, whole
 from ...model.grid import Array, CylinderGrid, interpolate
@@ -34,6 +35,7 @@ LENGTH = 5.0
 HANDS = ("left", "right")
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Drifting:
     """A state P(theta) that rotates about the axis at the speed `drift` (positive towards growing theta).

@@ -31,6 +31,19 @@ from ...model.grid import Array
 from ...model.parameters import Parameters
 from .uniform import OBLIQUE, Uniform, check_numbers, uniform
 
+__all__ = [
+    "growth_matrix",
+    "growth_rates",
+    "stripes_threshold",
+    "tilt_threshold",
+    "unidirectional_order",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 Complex = npt.NDArray[np.complex128]
 
 

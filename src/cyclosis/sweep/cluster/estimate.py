@@ -178,7 +178,7 @@ def started(sweep: Sweep, number: int, clock: Clock) -> float:
     one = Sweep.from_tables(sweep.tables | {"axes": axes, "ensemble": ensemble})
     with TemporaryDirectory() as folder:
         began = clock()
-        summary = run_sweep(one, Path(folder) / "store", workers=1)
+        summary = run_sweep(one, Path(folder) / "store", workers=1, progress=False)
         if summary.status == "interrupted":
             raise KeyboardInterrupt
         return clock() - began

@@ -7,12 +7,14 @@ from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ...display.shown import shown
 from .task import Report
 
 LATELY = 256
 """Number of latest blocks from which the rate is computed."""
 
 
+@shown
 @dataclass(frozen=True)
 class SweepProgress:
     """The progress of a sweep. Numbers count members unless they are of blocks; times are in seconds.
@@ -35,6 +37,14 @@ class SweepProgress:
     aside: int
 
 
+def counted(done: int, total: int, seconds: float) -> SweepProgress:
+    """Return the progress of members that are only counted, `done` of `total` in `seconds`."""
+    rate = done / seconds if seconds > 0 else 0.0
+    left = (total - done) / rate if rate > 0 else None
+    return SweepProgress(done, total, done, {}, {}, seconds, rate, left, 0, 0)
+
+
+@shown
 @dataclass(frozen=True)
 class SweepSummary:
     """The summary of a call of `run_sweep` or `repair`.

@@ -2,3 +2,12 @@
 
 from .sweep import Block as Block
 from .sweep import Sweep as Sweep
+
+__all__ = [
+    "Block",
+    "Sweep",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

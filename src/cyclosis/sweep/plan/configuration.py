@@ -10,14 +10,14 @@ import numpy as np
 
 from ... import config, models
 from ...contract.model import Model
-from ...dynamics.protocol import Protocol
 from ...dynamics.schedule import Schedule
 from ...model.definitions import RUN
 from ...model.errors import InputError, closest, shown
 from ...model.instants import instant
 from ...model.wording import beside
-from . import axes, variables
+from . import axes, step_axes, variables
 from .definitions import AXES, MAX_MEMBERS, TABLES
+from .step_axes import place, setting
 
 Tables = dict[str, Any]
 """Tables by name, and under "protocol" the list of a protocol's steps if there is a protocol."""
@@ -41,14 +41,15 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
     """
     if not isinstance(given, Mapping):
         raise InputError("configuration", given, "a table of tables", "give it as sweep.toml would hold it")
-    swept = _axes(given.get("axes"))
+    steps = given.get("protocol", [])
+    swept = _axes(given.get("axes"), steps)
     rest = {name: table for name, table in given.items() if name not in ("axes", "protocol")}
     _refuse_other_places(rest, swept)
     tables = config.check(rest, TABLES)
     model = models.of_tables(tables)
     starts = models.starts_of(model)
     grid = _grids(model, tables, swept)[0]
-    protocol = Protocol.from_tables(given.get("protocol", []))
+    protocol = next(step_axes.protocols(steps, swept))
     out: Tables = {
         "parameters": _parameters(model, tables, swept, grid),
         "grid": _grid(model, tables, swept),
@@ -61,8 +62,10 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
     if model is not models.polar:
         out["model"] = {"kind": model.name, **model.options}
     if protocol:
-        out["protocol"] = protocol.as_tables()
-        _refuse_impossible_steps(model, out, protocol)
+        varied = any(map(step_axes.is_step_axis, swept))
+        # As they are written where they are swept: their order in time, and so their seeds, may vary.
+        out["protocol"] = step_axes.completed(steps, swept) if varied else protocol.as_tables()
+        _refuse_impossible_steps(model, out)
     ends, seeds = _ends("initial", swept), out["ensemble"]["seeds"]
     if seeds > 1 and not starts.noisy(out["initial"], ends) and not protocol.random:
         _refuse_pointless_seeds(out)
@@ -74,11 +77,11 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
 
 def grid_of(tables: Tables, point: Mapping[str, float]) -> Any:
     """Return the grid at a point of the axes."""
-    swept = {key: point[key] for key in point if AXES[key][0] == "grid"}
+    swept = {key: point[key] for key in point if place(key) == "grid"}
     return models.of_tables(tables).grid_from(tables["grid"] | swept)
 
 
-def _axes(given: Any) -> dict[str, dict[str, Any]]:
+def _axes(given: Any, steps: Any) -> dict[str, dict[str, Any]]:
     if given is None or (isinstance(given, Mapping) and not given):
         raise InputError(
             "axes", given, "a table with at least one axis", "add [axes] with a parameter to sweep"
@@ -87,10 +90,10 @@ def _axes(given: Any) -> dict[str, dict[str, Any]]:
         raise InputError("axes", given, "a table", "write [axes] on a line of its own")
     out = {}
     for name, table in given.items():
-        if name not in AXES:
-            rule = "one of " + ", ".join(AXES)
+        if place(name) is None:
+            rule = "one of " + ", ".join(AXES) + ", or protocol.STEP.KEY"
             raise InputError("axes key", name, rule, closest(name, AXES))
-        out[name] = axes.checked(AXES[name][1], table)
+        out[name] = axes.checked(setting(name, steps), table)
     return out
 
 
@@ -102,9 +105,9 @@ def _refuse_other_places(given: Mapping[str, Any], swept: Mapping[str, Any]) -> 
             "seed", start["seed"], "left out in a sweep", "write seeds and first_seed in [ensemble]"
         )
     for name in swept:
-        table = given.get(AXES[name][0])
+        table = given.get(place(name) or "")
         if isinstance(table, Mapping) and name in table:
-            rule = f"either in [{AXES[name][0]}] or in [axes]"
+            rule = f"either in [{place(name)}] or in [axes]"
             raise InputError(name, table[name], rule, "remove one of the two")
     run = given.get("run")
     if isinstance(run, Mapping):
@@ -116,7 +119,7 @@ def _refuse_other_places(given: Mapping[str, Any], swept: Mapping[str, Any]) -> 
 
 def _ends(table: str, swept: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     """Return the smallest and the largest value of every swept key of a table, by name."""
-    return {key: axes.ends(swept[key]) for key in swept if AXES[key][0] == table}
+    return {key: axes.ends(swept[key]) for key in swept if place(key) == table}
 
 
 def _grids(model: Model, tables: Tables, swept: Mapping[str, Any]) -> list[Any]:
@@ -178,15 +181,16 @@ def _refuse_repeats(name: str, listed: list[str]) -> None:
             raise InputError(name, item, "a list without repeats", "name each once")
 
 
-def _refuse_impossible_steps(model: Model, tables: Tables, protocol: Protocol) -> None:
+def _refuse_impossible_steps(model: Model, tables: Tables) -> None:
     """Refuse steps after the end, and regions that do not fit the cell at either end of an axis."""
-    end = instant(tables["run"]["t_end"])
-    for step in protocol:
-        if step.at > end:
-            rule = f"at most t_end = {beside(end, step.at)} in a sweep"
-            raise InputError(f"at of {step.action}", step.at, rule, "raise t_end, or leave the step out")
-    for grid in _grids(model, tables, tables["axes"]):
-        Schedule(model.parameters(), grid, protocol)
+    end, grids = instant(tables["run"]["t_end"]), _grids(model, tables, tables["axes"])
+    for protocol in step_axes.protocols(tables["protocol"], tables["axes"]):
+        for step in protocol:
+            if step.at > end:
+                rule = f"at most t_end = {beside(end, step.at)} in a sweep"
+                raise InputError(f"at of {step.action}", step.at, rule, "raise t_end, or leave the step out")
+        for grid in grids:
+            Schedule(model.parameters(), grid, protocol)
 
 
 def _refuse_pointless_seeds(tables: Tables) -> None:

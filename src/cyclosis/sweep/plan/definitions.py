@@ -98,4 +98,4 @@ AXES: dict[str, tuple[str, Definition]] = {
     "filaments_per_square": ("initial", definition("initial", "filaments_per_square")),
     "magnitude": ("initial", definition("initial", "magnitude")),
 }
-"""What may be swept: the table that holds it in a run, and its definition."""
+"""What may be swept, besides steps of a protocol: the table that holds it in a run, and its definition."""

@@ -15,10 +15,11 @@ import numpy as np
 
 from ... import config, models
 from ...contract.model import Coordinate, Model
+from ...display.shown import shown
 from ...model.errors import whole
-from . import axes, variables
+from . import axes, step_axes, variables
 from .configuration import UNDECISIVE, Tables, completed, grid_of
-from .definitions import AXES
+from .step_axes import place
 from .variables import Variable
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ...ensemble import EnsembleSettings, Member
 
 
+@shown
 @dataclass(frozen=True)
 class Block:
     """The numbers of the members that are computed and stored together.
@@ -41,6 +43,7 @@ class Block:
     members: range
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """A checked sweep: an ensemble of initial states at every point of a grid of parameters.
@@ -183,11 +186,29 @@ class Sweep:
         from ...ensemble import Member
 
         point, seed = self.member(number)
-        swept = {name: value for name, value in point.items() if AXES[name][0] == "parameters"}
+        swept = {name: value for name, value in point.items() if place(name) == "parameters"}
         grid, model = grid_of(self.tables, point), self.model
-        start = {name: value for name, value in point.items() if AXES[name][0] == "initial"}
+        start = {name: value for name, value in point.items() if place(name) == "initial"}
         state = partial(models.starts_of(model).seeded, self.tables["initial"] | start, seed, grid)
-        return Member(self._fixed.replace(**swept), grid, state, self.protocol.with_seed(seed), model)
+        return Member(self._fixed.replace(**swept), grid, state, self.protocol_at(point, seed), model)
+
+    def protocol_at(self, point: Mapping[str, float], seed: int = 0) -> Protocol:
+        """Return the protocol of a member at a point of the axes, with the random numbers of its seed.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> axes = {"protocol.drug.at": {"values": [5.0, 20.0]}}
+            >>> steps = [{"name": "drug", "action": "change", "alpha_u": 0.0}]
+            >>> sweep = cy.Sweep.from_tables({"axes": axes, "protocol": steps})
+            >>> print(sweep.protocol_at({"protocol.drug.at": 20.0}))
+            Protocol: 1 step, seed 0
+            └─ t = 20: alpha_u = 0
+        """
+        from ...dynamics.protocol import Protocol
+
+        if not self._varied:
+            return self.protocol.with_seed(seed)
+        return Protocol.from_tables(step_axes.placed(self.tables["protocol"], point), seed)
 
     @property
     def settings(self) -> EnsembleSettings:
@@ -251,10 +272,12 @@ class Sweep:
 
     @cached_property
     def protocol(self) -> Protocol:
-        """The protocol of every member, each with the random numbers of its own seed."""
-        from ...dynamics.protocol import Protocol
+        """The protocol of every member; where axes vary it, that at their first values."""
+        return next(step_axes.protocols(self.tables.get("protocol", []), self.tables["axes"]))
 
-        return Protocol.from_tables(self.tables.get("protocol", []))
+    @cached_property
+    def _varied(self) -> bool:
+        return any(map(step_axes.is_step_axis, self.axes))
 
     @cached_property
     def _fixed(self) -> Any:

@@ -14,7 +14,7 @@ from ...contract.model import Coordinate, Model
 from ...dataset.contents import described
 from ...ensemble.members import OUTCOMES
 from ...model.errors import InputError, closest
-from .definitions import AXES
+from .step_axes import setting
 
 if TYPE_CHECKING:
     from .sweep import Sweep
@@ -120,7 +120,7 @@ def along_axes(sweep: Sweep) -> dict[str, Placed]:
     """Return the values of every axis, and the seeds, each along a dimension of the same name."""
     out = {}
     for name, values in sweep.axes.items():
-        item = AXES[name][1]
+        item = setting(name, sweep.tables.get("protocol", []))
         about = described(item.meaning) | {"symbol": item.symbol}
         out[name] = Placed(name, (name,), np.array(values), about)
     seeds = np.arange(sweep.seeds.start, sweep.seeds.stop, dtype="int32")

@@ -2,3 +2,12 @@
 
 from .store import Store as Store
 from .store import versions as versions
+
+__all__ = [
+    "Store",
+    "versions",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -26,6 +26,7 @@ from typing import Any
 import numpy.typing as npt
 
 from ...dataset.whole import is_stale, sync_folder, unwritable
+from ...display.shown import shown
 from ...model.errors import InputError
 from ...version import __version__
 from ..plan.configuration import differences
@@ -39,6 +40,7 @@ MISSING = "missing"
 _NAME = re.compile(r"(\d{9})\.(?:nc|json)")
 
 
+@shown
 class Store:
     """The store in an existing folder.
 
@@ -75,6 +77,9 @@ class Store:
             rule = f"{SCHEMA}, the layout that this version reads"
             remedy = "use the version that wrote it"
             raise InputError(f"schema of {self.path}", self.about.get("schema"), rule, remedy)
+
+    def __repr__(self) -> str:
+        return f"Store({str(self.path)!r}, {len(self.present())} of {self.sweep.blocks} blocks)"
 
     @classmethod
     def create(cls, path: str | os.PathLike[str], sweep: Sweep) -> Store:
