@@ -25,6 +25,7 @@ import { Waits } from './panels/waits';
 import type { About, Ask, Said } from './protocol';
 import { Scene } from './scene/scene';
 import { Session } from './session';
+import { heard, say, spoken } from './words/say';
 
 declare global {
   interface Window {
@@ -36,8 +37,9 @@ const app = document.getElementById('app')!;
 
 async function start(): Promise<void> {
   document.documentElement.dataset.theme = isDark() ? 'dark' : 'light';
+  document.documentElement.lang = spoken();
   const answer = await fetch('api/about');
-  if (!answer.ok) throw new Error(`the server answered with status ${answer.status}`);
+  if (!answer.ok) throw new Error(say('page.status', { status: answer.status }));
   build((await answer.json()) as About);
 }
 
@@ -52,9 +54,9 @@ function build(about: About): void {
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false })));
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': say('page.stage') }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false })));
   const header = h('header', {});
-  const panels = h('section', { id: 'panels', 'aria-label': 'Controls' });
+  const panels = h('section', { id: 'panels', 'aria-label': say('page.controls') });
   const charts = traces(hub);
   const handles = now(hub);
   app.replaceChildren(header, stage, handles, charts, panels, toastElement);
@@ -73,28 +75,28 @@ function build(about: About): void {
   scene.onDrawn = (frame) => unseen.drawn(frame);
   const guide = tour({ hub, choose: tools.choose });
   const help = keys([
-    [' ', 'play or pause', () => toggle(hub)],
-    ['.', 'one step', () => hub.ask({ do: 'step' })],
-    ['n', 'new seed', () => hub.ask({ do: 'new_seed' })],
-    ['1', 'turn the cell', () => tools.choose('turn')],
-    ['2', 'wound', () => tools.choose('wound')],
-    ['3', 'fragment', () => tools.choose('fragment')],
-    ['4', 'align', () => tools.choose('align')],
-    ['v', 'look inside the cell', () => inner?.toggle()],
-    ['t', 'the tour', () => guide.start()],
-    ['?', 'this list', () => help.open()],
+    [' ', say('keys.play'), () => toggle(hub)],
+    ['.', say('keys.step'), () => hub.ask({ do: 'step' })],
+    ['n', say('keys.seed'), () => hub.ask({ do: 'new_seed' })],
+    ['1', say('keys.turn'), () => tools.choose('turn')],
+    ['2', say('keys.wound'), () => tools.choose('wound')],
+    ['3', say('keys.fragment'), () => tools.choose('fragment')],
+    ['4', say('keys.align'), () => tools.choose('align')],
+    ['v', say('keys.inside'), () => inner?.toggle()],
+    ['t', say('keys.tour'), () => guide.start()],
+    ['?', say('keys.list'), () => help.open()],
   ]);
   header.append(
     h('h1', {}, 'cyclosis'),
-    h('p', { class: 'motto' }, 'How streaming in a living cell organises itself'),
-    h('nav', { 'aria-label': 'Help' },
-      h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, 'Tour'),
-      h('button', { id: 'keys', 'aria-label': 'keys', title: 'keys (?)', onclick: () => help.open() }, '?')),
+    h('p', { class: 'motto' }, say('page.motto')),
+    h('nav', { 'aria-label': say('page.help') },
+      h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, say('page.tour')),
+      h('button', { id: 'keys', 'aria-label': say('page.keys'), title: `${say('page.keys')} (?)`, onclick: () => help.open() }, '?')),
   );
   panels.append(
     presets(hub), tools.element, parameters(hub), diagram(hub), interventions(hub),
     share(hub, () => scene.png()), equation(hub), newCell(hub), look(hub, scene),
-    h('p', { class: 'note foot' }, `cyclosis ${about.version}, after Woodhouse & Goldstein, PNAS 110 (2013).`),
+    h('p', { class: 'note foot' }, say('page.foot', { version: about.version })),
   );
   if (matchMedia('(max-width: 820px)').matches) {
     panels.querySelectorAll<HTMLDetailsElement>('details.panel').forEach((panel) => (panel.open = panel.id === 'panel-presets' || panel.id === 'panel-hand'));
@@ -114,7 +116,7 @@ function build(about: About): void {
       scene.playing = said.playing;
       scene.hurry();
       hub.emit('cell', said);
-    } else if (said.type === 'refused') toast(said.sentence);
+    } else if (said.type === 'refused') toast(heard(said.sentence));
     else if (said.type === 'hash') hub.emit('hash', said);
     else if (said.type === 'curves') hub.emit('curves', said);
   };
@@ -156,5 +158,5 @@ function build(about: About): void {
 
 start().catch((error: unknown) => {
   const reason = error instanceof Error ? error.message : String(error);
-  app.replaceChildren(h('p', { class: 'loading', role: 'alert' }, `The page could not be opened: ${reason}.`));
+  app.replaceChildren(h('p', { class: 'loading', role: 'alert' }, say('page.failed', { reason })));
 });

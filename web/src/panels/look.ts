@@ -2,6 +2,7 @@ import type { Palette } from '../protocol';
 import type { Hub } from './hub';
 import { h, panel } from './dom';
 import { keep, kept } from './kept';
+import { change, languages, said, say, spoken } from '../words/say';
 
 type Theme = 'auto' | 'light' | 'dark';
 
@@ -29,12 +30,17 @@ export function keptPalette(palettes: Palette[]): Palette {
 export function look(hub: Hub, target: LookTarget): HTMLElement {
   const theme = h(
     'select', { id: 'theme', onchange: () => { keep('theme', theme.value); apply(); } },
-    ...(['auto', 'light', 'dark'] as const).map((value) => h('option', { value }, value === 'auto' ? 'as the system' : value)),
+    ...(['auto', 'light', 'dark'] as const).map((value) => h('option', { value }, say(`look.${value}`))),
   );
   const palette = h(
     'select', { id: 'palette', onchange: () => { keep('palette', palette.value); paint(); } },
-    ...hub.about.palettes.map((p) => h('option', { value: p.name }, p.title)),
+    ...hub.about.palettes.map((p) => h('option', { value: p.name }, said(`palette.${p.name}`, p.title))),
   );
+  const language = h(
+    'select', { id: 'language', onchange: async () => { await hub.refresh(); change(language.value, hub.link); } },
+    ...Object.entries(languages).map(([tag, { name }]) => h('option', { value: tag, lang: tag }, name)),
+  );
+  language.value = spoken();
   theme.value = keptTheme();
   palette.value = keptPalette(hub.about.palettes).name;
   const apply = (): void => {
@@ -59,8 +65,9 @@ export function look(hub: Hub, target: LookTarget): HTMLElement {
   system.addEventListener('change', apply);
   apply();
   return panel(
-    'look', 'Appearance', false,
-    h('div', { class: 'setting' }, h('label', { for: 'palette' }, 'Colours'), palette),
-    h('div', { class: 'setting' }, h('label', { for: 'theme' }, 'Theme'), theme),
+    'look', say('look.title'), false,
+    h('div', { class: 'setting' }, h('label', { for: 'palette' }, say('look.colours')), palette),
+    h('div', { class: 'setting' }, h('label', { for: 'theme' }, say('look.theme')), theme),
+    h('div', { class: 'setting' }, h('label', { for: 'language' }, say('look.language')), language),
   );
 }

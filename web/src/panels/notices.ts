@@ -1,4 +1,5 @@
 import { h } from './dom';
+import { say } from '../words/say';
 
 /** One sentence at a time, when something was refused or failed. */
 export function toaster(): { element: HTMLElement; toast(sentence: string): void } {
@@ -8,7 +9,7 @@ export function toaster(): { element: HTMLElement; toast(sentence: string): void
     element.classList.remove('shown');
     text.textContent = '';
   };
-  const element = h('div', { id: 'toast', role: 'alert' }, text, h('button', { class: 'quiet', 'aria-label': 'dismiss', onclick: hide }, '✕'));
+  const element = h('div', { id: 'toast', role: 'alert' }, text, h('button', { class: 'quiet', 'aria-label': say('page.dismiss'), onclick: hide }, '✕'));
   const toast = (sentence: string): void => {
     text.textContent = sentence;
     element.classList.add('shown');
@@ -30,10 +31,10 @@ export function lostBanner(reconnect: () => void): {
   return {
     element,
     show: (sentence, over) => {
-      const words = over ? sentence : `${sentence} Reconnecting…`;
+      const words = over ? sentence : say('page.reconnecting', { sentence });
       // Announced once, however often it is tried.
       if (text.textContent !== words) text.textContent = words;
-      button.textContent = over ? 'Continue' : 'Try now';
+      button.textContent = say(over ? 'page.continue' : 'page.try-now');
       element.hidden = false;
     },
     hide: () => {

@@ -1,9 +1,10 @@
 import type { Hub } from './hub';
 import { h } from './dom';
 import { explain, table } from './explain';
-import { fromSlider, short, STEPS, toSlider } from './scales';
+import { decimals, fromSlider, short, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
-import { numbers, pace, seen, TIME, title } from './words';
+import { numbers, pace, seen, title } from './words';
+import { say } from '../words/say';
 
 /** The state of the cell, and the controls of time. */
 export function now(hub: Hub): HTMLElement {
@@ -12,19 +13,19 @@ export function now(hub: Hub): HTMLElement {
   const name = h('strong', { id: 'regime-name' }, '…');
   const reason = h('span', { id: 'regime-reason' });
   const settling = h('span', { id: 'regime-pace' });
-  const more = explain('this state', () => {
+  const more = explain(say('now.this'), () => {
     const found = hub.frame?.regime;
-    return found ? [table(numbers(found)), h('p', { class: 'note' }, TIME)] : ['Nothing is known of this cell yet.'];
+    return found ? [table(numbers(found)), h('p', { class: 'note' }, say('charts.time'))] : [say('now.nothing')];
   });
   const regime = h('p', { id: 'regime' }, name, ' ', reason, ' ', settling);
   // Numbers change at every frame: only a change of regime is read out.
   const spoken = h('p', { id: 'regime-spoken', class: 'hidden', role: 'status', 'aria-live': 'polite' });
   const clock = h('output', { id: 'clock', 'aria-live': 'off' }, 't = 0');
-  const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': 'catching up with the saved cell' });
+  const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': say('now.catching') });
 
-  const play = h('button', { id: 'play', class: 'main', 'aria-pressed': 'false', onclick: () => toggle(hub) }, '▶ Play');
-  const step = h('button', { id: 'step', onclick: () => ask({ do: 'step' }), title: 'one frame (.)' }, 'Step');
-  const seed = h('button', { id: 'new-seed', onclick: () => ask({ do: 'new_seed' }), title: 'the same cell from another random disorder (n)' }, 'New seed');
+  const play = h('button', { id: 'play', class: 'main', 'aria-pressed': 'false', onclick: () => toggle(hub) }, say('now.play'));
+  const step = h('button', { id: 'step', onclick: () => ask({ do: 'step' }), title: say('now.step-tip') }, say('now.step'));
+  const seed = h('button', { id: 'new-seed', onclick: () => ask({ do: 'new_seed' }), title: say('now.seed-tip') }, say('now.seed'));
 
   const range: [number, number] = [0.5, about.limits.fastest];
   const value = h('output', { for: 'speed' });
@@ -38,13 +39,13 @@ export function now(hub: Hub): HTMLElement {
     },
   });
   const describe = (wanted: number): void => {
-    value.textContent = `${short(wanted)} R/U per s`;
-    speed.setAttribute('aria-valuetext', `${short(wanted)} time units a second`);
+    value.textContent = say('now.speed-value', { speed: short(wanted) });
+    speed.setAttribute('aria-valuetext', say('now.speed-spoken', { speed: short(wanted) }));
   };
 
   hub.on('cell', (cell) => {
     play.setAttribute('aria-pressed', String(cell.playing));
-    play.textContent = cell.playing ? '❚❚ Pause' : '▶ Play';
+    play.textContent = say(cell.playing ? 'now.pause' : 'now.play');
     if (document.activeElement !== speed) {
       speed.value = String(toSlider(cell.speed, range, true));
       describe(cell.speed);
@@ -76,11 +77,11 @@ export function now(hub: Hub): HTMLElement {
   });
 
   return h(
-    'section', { id: 'now', 'aria-label': 'The cell now' },
+    'section', { id: 'now', 'aria-label': say('now.label') },
     h('div', { class: 'state' }, regime, spoken, h('span', { class: 'row clock' }, clock, more)),
     catching,
     h('div', { class: 'row' }, play, step, seed),
-    h('div', { class: 'row speed' }, h('label', { for: 'speed' }, 'Speed'), speed, value),
+    h('div', { class: 'row speed' }, h('label', { for: 'speed' }, say('now.speed')), speed, value),
   );
 }
 
@@ -89,5 +90,5 @@ export function toggle(hub: Hub): void {
 }
 
 function time(t: number): string {
-  return `t = ${t.toFixed(1)}`;
+  return `t = ${decimals(t, 1)}`;
 }

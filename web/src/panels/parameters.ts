@@ -5,6 +5,7 @@ import { explain } from './explain';
 import { plainly } from './plain';
 import { fromSlider, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
+import { said, say } from '../words/say';
 
 /** Sliders and fields for everything that can be changed in a living cell. */
 export function parameters(hub: Hub): HTMLElement {
@@ -19,7 +20,7 @@ export function parameters(hub: Hub): HTMLElement {
   };
   const rows = hub.about.parameters.map((definition) => new Row(definition, change));
   hub.on('cell', (cell) => rows.forEach((row) => row.show(cell, hub.modelOf(cell).unused)));
-  return panel('parameters', 'Parameters', true, ...rows.map((row) => row.element));
+  return panel('parameters', say('parameters.title'), true, ...rows.map((row) => row.element));
 }
 
 class Row {
@@ -36,7 +37,8 @@ class Row {
     private readonly definition: Definition,
     private readonly change: (name: string, value: number | boolean) => void,
   ) {
-    const { name, symbol, meaning, kind, usual } = definition;
+    const { name, symbol, kind, usual } = definition;
+    const meaning = said(`setting.${name}`, definition.meaning);
     const flag = kind === 'flag';
     const id = `parameter-${name}`;
     this.field = flag
@@ -54,7 +56,7 @@ class Row {
       });
     }
     this.reset = h('button', {
-      id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': `reset ${name}`, onclick: () => this.set(this.own),
+      id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': say('parameters.reset', { name }), onclick: () => this.set(this.own),
     }, '↺');
     const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
     const words = plainly(name);
@@ -69,7 +71,7 @@ class Row {
     this.own = (cell.setup.parameters[name] ?? fallback) as number | boolean;
     const special = cell.special[name];
     this.chip.hidden = !special;
-    this.chip.textContent = special === 'ramp' ? 'on a ramp' : 'varies in space';
+    this.chip.textContent = say(special === 'ramp' ? 'parameters.ramp' : 'parameters.field');
     if (Date.now() < this.held && !cell.fresh) return;
     this.display(value as number | boolean);
   }
@@ -84,7 +86,7 @@ class Row {
     const same = value === this.own;
     this.reset.disabled = same;
     this.element.classList.toggle('changed', !same);
-    this.reset.title = `back to ${String(this.own)}`;
+    this.reset.title = say('parameters.back', { value: String(this.own) });
   }
 
   /** A number being typed stays as it is until it is entered or left. */

@@ -1,6 +1,7 @@
 import { h, mathematics } from './dom';
 import { place } from './place';
 import { STORY, type Stage } from './story';
+import { say, type Key } from '../words/say';
 
 export interface Tour {
   element: HTMLElement;
@@ -18,9 +19,9 @@ export function tour(stage: Stage): Tour {
   const title = h('h2', { id: 'tour-title', tabindex: -1 });
   const text = h('p', { id: 'tour-text' });
   const count = h('span', { class: 'note' });
-  const back = h('button', { id: 'tour-back', onclick: () => go(at - 1) }, 'Back');
-  const next = h('button', { id: 'tour-next', class: 'main', onclick: () => go(at + 1) }, 'Next');
-  const leaveButton = h('button', { id: 'tour-leave', class: 'quiet', 'aria-label': 'leave the tour', title: 'leave (Escape)', onclick: () => leave() }, '✕');
+  const back = h('button', { id: 'tour-back', onclick: () => go(at - 1) }, say('tour.back'));
+  const next = h('button', { id: 'tour-next', class: 'main', onclick: () => go(at + 1) }, say('tour.next'));
+  const leaveButton = h('button', { id: 'tour-leave', class: 'quiet', 'aria-label': say('tour.leave'), title: say('tour.leave-tip'), onclick: () => leave() }, '✕');
   const element = h(
     'section', { id: 'tour-card', 'aria-labelledby': 'tour-title', hidden: true },
     h('div', { class: 'row spread' }, title, count, leaveButton), text, h('div', { class: 'row' }, back, next),
@@ -83,12 +84,12 @@ export function tour(stage: Stage): Tour {
       marked.classList.add('marked');
       resized.observe(marked);
     }
-    count.textContent = `${k + 1} of ${STORY.length}`;
-    title.textContent = step.title;
-    text.replaceChildren(...step.text.split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
+    count.textContent = say('tour.count', { k: k + 1, all: STORY.length });
+    title.textContent = say(`tour.${k + 1}` as Key);
+    text.replaceChildren(...say(`tour.${k + 1}-text` as Key).split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
     text.scrollTop = 0;
     back.disabled = k === 0;
-    next.textContent = k === STORY.length - 1 ? 'Done' : 'Next';
+    next.textContent = say(k === STORY.length - 1 ? 'tour.done' : 'tour.next');
     element.hidden = false;
     title.focus({ preventScroll: true });
     settle();

@@ -6,25 +6,28 @@ import { explain } from './explain';
 import { History } from './history';
 import { lineOf } from './lines';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
-import { charted } from './words';
+import { charted, type Chart } from './words';
+import { isKey, said, say } from '../words/say';
 
-const SHARED: [RegExp, string][] = [
-  [/^mean_(P|vector)/, 'mean P'],
+const SHARED: [RegExp, Chart][] = [
+  [/^mean_(P|vector)/, 'mean'],
   [/^circulation/, 'rotation'],
   [/power|dissipation/, 'power'],
+  [/^peak_speed/, 'peak'],
+  [/^order/, 'order'],
 ];
 const FONT = '11px system-ui, sans-serif';
 /** Opacity of the area between a curve and zero, as the last two digits of a colour. */
 const WASH = '40';
 
 /** Which columns share a chart: components of one vector, and all powers. */
-export function grouped(traces: Trace[]): { title: string; columns: number[] }[] {
+export function grouped(traces: Trace[]): { chart: string; columns: number[] }[] {
   const groups = new Map<string, number[]>();
   traces.forEach(({ name }, k) => {
-    const title = SHARED.find(([pattern]) => pattern.test(name))?.[1] ?? name.replaceAll('_', ' ');
-    groups.set(title, [...(groups.get(title) ?? []), k + 1]);
+    const chart = SHARED.find(([pattern]) => pattern.test(name))?.[1] ?? name;
+    groups.set(chart, [...(groups.get(chart) ?? []), k + 1]);
   });
-  return [...groups].map(([title, columns]) => ({ title, columns }));
+  return [...groups].map(([chart, columns]) => ({ chart, columns }));
 }
 
 /** A symbol without the brackets of its mean, which the title mentions. */
@@ -38,30 +41,32 @@ export function traces(hub: Hub): HTMLElement {
   let { model } = hub;
   let history = new History(model.traces.length + 1);
   let hosts: [HTMLElement, uPlot, () => uPlot.AlignedData][] = [];
-  const add = (title: string, meanings: string[], x: string, curves: Curve[], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
+  const add = (name: string, meanings: string[], x: string, curves: Curve[], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
     const host = h('div', { class: 'plot' });
+    const key = `charts.${name}`;
+    const title = isKey(key) ? say(key) : name.replaceAll('_', ' ');
     const keys = curves.filter(([, symbol]) => symbol).map(([quantity, symbol]) => {
       const { colour, dash } = lineOf(quantity);
       const style = dash.length === 0 ? 'solid' : dash[0]! < 3 ? 'dotted' : 'dashed';
       return h('span', { class: 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
     });
     const words = explain(title, () => [
-      ...charted(title, hub.model.straight).map((sentence) => h('p', {}, sentence)),
-      h('p', { class: 'note' }, `As the package records it: ${meanings.join('; ')}.`),
+      ...charted(name, hub.model.straight).map((sentence) => h('p', {}, sentence)),
+      h('p', { class: 'note' }, say('charts.recorded', { meanings: meanings.join('; ') })),
     ]);
     const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), words, ...keys), host);
     hosts.push([host, chart(host, x, curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
   let angles = new Float64Array();
-  const profile = (): HTMLElement => add('profile', ['means along the axis against the angle θ'], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
+  const profile = (): HTMLElement => add('profile', [say('charts.profile-meaning')], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
     const frame = hub.frame;
     if (!frame) return [[], [], []];
     if (angles.length !== frame.n_theta) angles = Float64Array.from({ length: frame.n_theta }, (_, i) => (2 * Math.PI * i) / frame.n_theta);
     return [angles, frame.profile_P, frame.profile_u] as unknown as uPlot.AlignedData;
   }, [-1, 1]);
 
-  const section = h('section', { id: 'charts', 'aria-label': 'Traces over time' });
+  const section = h('section', { id: 'charts', 'aria-label': say('charts.label') });
   const build = (): void => {
     for (const [host, plot] of hosts) {
       observer.unobserve(host);
@@ -71,8 +76,8 @@ export function traces(hub: Hub): HTMLElement {
     const recorded = model.traces;
     const rows = (history = new History(recorded.length + 1));
     const pick = (k: number): Trace => recorded[k - 1]!;
-    const charts = grouped(recorded).map(({ title, columns }) =>
-      add(title, columns.map((k) => pick(k).meaning), 't',
+    const charts = grouped(recorded).map(({ chart, columns }) =>
+      add(chart, columns.map((k) => said(`trace.${pick(k).name}`, pick(k).meaning)), 't',
         columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
         () => [rows.columns[0]!, ...columns.map((k) => rows.columns[k]!)] as uPlot.AlignedData));
     section.replaceChildren(...charts, ...(model.straight ? [profile()] : []));

@@ -11,6 +11,7 @@ import { inSoftware, Quality } from './quality';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
 import { View } from './view';
+import { say } from '../words/say';
 
 export type { Tool } from './control';
 
@@ -36,7 +37,6 @@ const MANY_INSIDE = 450;
 const FEW_INSIDE = 250;
 const NARROW = 420;
 
-const KEYS = 'Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.';
 
 export class Scene {
   playing = false;
@@ -83,11 +83,8 @@ export class Scene {
       canvas.setAttribute('role', 'application');
       canvas.setAttribute('aria-label', text);
     };
-    label(this.canvas, `The cell as a cylinder. ${KEYS}`);
-    label(
-      this.map.moving,
-      'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cell.',
-    );
+    label(this.canvas, say('scene.cylinder', { keys: say('scene.keys') }));
+    label(this.map.moving, say('scene.map'));
     this.map.still.setAttribute('aria-hidden', 'true');
     place(options.cylinder, this.canvas);
     place(options.map, this.map.still, this.map.moving);
@@ -95,7 +92,7 @@ export class Scene {
     try {
       this.cylinder = new Cylinder(this.canvas, this.particles, this.tracers, palette, dark, software);
     } catch {
-      const missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
+      const missing = say('scene.no-webgl');
       this.canvas.hidden = true;
       options.cylinder.append(Object.assign(document.createElement('p'), { className: 'note', textContent: missing }));
     }
@@ -131,8 +128,8 @@ export class Scene {
 
   private label(): void {
     const { open } = this.view;
-    const shape = this.outline ? 'The closed cell' : `The cell as a cylinder${open ? ', opened, with the flow inside' : ''}`;
-    this.canvas.setAttribute('aria-label', `${shape}. ${KEYS}`);
+    const shape = this.outline ? 'scene.closed' : open ? 'scene.opened' : 'scene.cylinder';
+    this.canvas.setAttribute('aria-label', say(shape, { keys: say('scene.keys') }));
   }
 
   /** Take the front of the cylinder away, or close it. */
@@ -220,7 +217,7 @@ export class Scene {
   private readonly onLost = (event: Event): void => {
     event.preventDefault(); // otherwise it is never restored
     this.lost = true;
-    this.options.notice('The browser cannot draw the cylinder at the moment; the map continues.');
+    this.options.notice(say('scene.lost'));
   };
 
   private readonly onRestored = (): void => {
