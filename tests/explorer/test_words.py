@@ -9,7 +9,9 @@ from cyclosis.explorer.about import about
 
 ROOT = Path(__file__).parents[2]
 WORDS = ROOT / "web" / "src" / "words"
-LANGUAGES = sorted(path for path in WORDS.glob("??*.ts") if re.fullmatch("(?!en)[a-z]{2}(-[a-z]+)?", path.stem))
+LANGUAGES = sorted(
+    path for path in WORDS.glob("??*.ts") if re.fullmatch("(?!en)[a-z]{2}(-[a-z]+)?", path.stem)
+)
 NUMBER = r"\d+(?:[.,]\d+)?"
 
 
@@ -52,7 +54,10 @@ def test_each_text_of_the_package_is_translated_with_its_numbers(path):
 @pytest.mark.skipif(not WORDS.exists(), reason="the page's source is not here")
 @pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
 def test_each_translated_sentence_is_one_that_the_package_says(path):
-    sources = [*(ROOT / "src/cyclosis").glob("explorer/*.py"), *(ROOT / "src/cyclosis/dynamics").rglob("*.py")]
+    sources = [
+        *(ROOT / "src/cyclosis").glob("explorer/*.py"),
+        *(ROOT / "src/cyclosis/dynamics").rglob("*.py"),
+    ]
     sources += [*(ROOT / "web/src/engine").glob("*.ts")]
     said = "".join(source.read_text() for source in sources)
     for sentence in translations(path, "sentences"):
