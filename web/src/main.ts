@@ -77,6 +77,8 @@ function build(about: About): void {
   const help = keys([
     [' ', say('keys.play'), () => toggle(hub)],
     ['.', say('keys.step'), () => hub.ask({ do: 'step' })],
+    ['b', say('keys.again'), () => hub.ask({ do: 'again' })],
+    ['z', say('keys.undo'), () => hub.cell?.undo && hub.ask({ do: 'undo' })],
     ['n', say('keys.seed'), () => hub.ask({ do: 'new_seed' })],
     ['1', say('keys.turn'), () => tools.choose('turn')],
     ['2', say('keys.wound'), () => tools.choose('wound')],

@@ -119,6 +119,8 @@ export type Said =
       /** The whole set-up up to now, for the address after "#". */
       link: string;
       t: number;
+      /** How many interventions can be undone. After one `t` is earlier than before. */
+      undo: number;
       playing: boolean;
       speed: number;
       /** The time requested by a link: until then the cell is catching up, at full speed. */
@@ -165,7 +167,7 @@ export type Ask =
     }
   | { do: 'resume'; token: string }
   | { do: 'alive' | 'ping' | 'leave' }
-  | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' }
+  | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' | 'undo' | 'again' }
   | { do: 'speed'; value: number }
   | { do: 'change'; values: Values }
   | { do: 'drug'; name: 'cytochalasin' | 'wash_out' | 'inhibit_myosin' }

@@ -36,6 +36,26 @@ describe('history', () => {
   });
 });
 
+describe('a history that is cut', () => {
+  it('has the rows up to then, and goes on from there', () => {
+    for (const count of [50, 333]) {
+      const history = new History(1, 100);
+      for (let i = 0; i < count; i += 1) history.push([i]);
+      history.cut(40);
+      expect(history.columns[0]!.every((t) => t <= 40)).toBe(true);
+      const kept = [...history.columns[0]!];
+      for (let i = kept.at(-1)! + 1; i < 400; i += 1) history.push([i]);
+      const times = history.columns[0]!;
+      expect(times[0]).toBe(0);
+      expect(times.at(-1)).toBe(399);
+      expect(times.length).toBeLessThanOrEqual(101);
+      expect(times.every((t, k) => k === 0 || t > times[k - 1]!)).toBe(true);
+      history.cut(1000);
+      expect(history.columns[0]).toEqual(times);
+    }
+  });
+});
+
 describe('sliders', () => {
   it.each([[[0, 1]], [[0.5, 200]], [[-1.6, 1.6]], [[0.001, 1000]]] as [[number, number]][])('go there and back over %j', (range) => {
     for (let place = 0; place <= STEPS; place += 50) expect(Math.abs(toSlider(fromSlider(place, range), range) - place)).toBeLessThanOrEqual(5);

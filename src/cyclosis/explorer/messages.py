@@ -60,7 +60,7 @@ class Sign(_Ask):
 class Plain(_Ask):
     """A request without arguments."""
 
-    do: Literal["play", "pause", "step", "tell", "hash", "new_seed", "curves"]
+    do: Literal["play", "pause", "step", "tell", "hash", "new_seed", "curves", "undo", "again"]
 
 
 class Speed(_Ask):

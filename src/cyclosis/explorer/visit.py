@@ -20,7 +20,7 @@ from . import messages, setup
 from .about import curves, preset
 from .inside import Inside, Seen
 from .line import Line
-from .session import Session
+from .session import Session, until
 from .work import Work
 
 WAITING = 64
@@ -239,6 +239,13 @@ class Visit:
             given = {name: dict(table) for name, table in cell.setup.tables.items()}
             given["initial"]["seed"] = given["initial"].get("seed", 0) + 1
             await self._open(setup.from_tables(given, cell.setup.steps), self.playing)
+        elif what == "again":
+            await self._open(cell.again(), self.playing, None if cell.own else self.preset)
+        elif what == "undo":
+            cell.undo()
+            self.shown = deque((until(cell.live.t, rows) for rows in self.shown), self.shown.maxlen)
+            self.stale, self.acted, self.sent_at, self.due = True, True, 0.0, clock.monotonic()
+            await self._tell()
         elif what == "tell":
             await self._tell()
         elif what == "step":

@@ -135,6 +135,15 @@ export class Visit {
         this.open(setUpOf(tables, cell.setUp.steps, 0, this.about), this.playing);
         return;
       }
+      case 'again':
+        this.open(cell.again(), this.playing, cell.changed ? null : this.preset);
+        return;
+      case 'undo':
+        cell.undo();
+        this.stale = this.acted = true;
+        this.sentAt = -Infinity;
+        this.due = this.around.now();
+        break;
       case 'hash':
         void this.digest(cell);
         return;

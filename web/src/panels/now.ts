@@ -23,6 +23,8 @@ export function now(hub: Hub): HTMLElement {
   const clock = h('output', { id: 'clock', 'aria-live': 'off' }, 't = 0');
   const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': say('now.catching') });
 
+  const again = h('button', { id: 'again', class: 'icon', 'aria-label': say('now.again'), title: say('now.again-tip'), onclick: () => ask({ do: 'again' }) }, '⏮');
+  const undo = h('button', { id: 'undo', disabled: true, title: say('now.undo-tip'), onclick: () => ask({ do: 'undo' }) }, say('now.undo'));
   const play = h('button', { id: 'play', class: 'main', 'aria-pressed': 'false', onclick: () => toggle(hub) }, say('now.play'));
   const step = h('button', { id: 'step', onclick: () => ask({ do: 'step' }), title: say('now.step-tip') }, say('now.step'));
   const seed = h('button', { id: 'new-seed', onclick: () => ask({ do: 'new_seed' }), title: say('now.seed-tip') }, say('now.seed'));
@@ -44,6 +46,7 @@ export function now(hub: Hub): HTMLElement {
   };
 
   hub.on('cell', (cell) => {
+    undo.disabled = cell.undo === 0;
     play.setAttribute('aria-pressed', String(cell.playing));
     play.textContent = say(cell.playing ? 'now.pause' : 'now.play');
     if (document.activeElement !== speed) {
@@ -80,7 +83,7 @@ export function now(hub: Hub): HTMLElement {
     'section', { id: 'now', 'aria-label': say('now.label') },
     h('div', { class: 'state' }, regime, spoken, h('span', { class: 'row clock' }, clock, more)),
     catching,
-    h('div', { class: 'row' }, play, step, seed),
+    h('div', { class: 'row wrap' }, again, play, step, undo, seed),
     h('div', { class: 'row speed' }, h('label', { for: 'speed' }, say('now.speed')), speed, value),
   );
 }

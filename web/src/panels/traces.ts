@@ -101,7 +101,11 @@ export function traces(hub: Hub): HTMLElement {
     }), 100);
   };
   hub.on('cell', (cell) => {
-    if (!cell.fresh) return;
+    if (!cell.fresh) {
+      // What was undone has not happened.
+      history.cut(cell.t);
+      return redraw();
+    }
     const now = hub.modelOf(cell);
     if (now !== model) {
       model = now;
