@@ -54,7 +54,7 @@ function build(about: About): void {
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': say('page.stage') }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false })));
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': say('page.stage') }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false, wheeled: document.documentElement.classList.contains('wheeled') })));
   const header = h('header', {});
   const panels = h('section', { id: 'panels', 'aria-label': say('page.controls') });
   const charts = traces(hub);

@@ -68,6 +68,15 @@ export interface Palette {
   /** Colours of P_z, from -1 to 1: [value, "#rrggbb"], increasing. */
   stops: [number, string][];
   zone: string;
+  /** Colours of the direction of P, where the cell shows that: see `directionOf`. */
+  wheel: Wheel | null;
+}
+
+/** Colours where P points to e_theta, e_z, -e_theta and -e_z, which are mixed as light. */
+export interface Wheel {
+  colours: string[];
+  gamma: number;
+  darkest: number;
 }
 
 /** The computed phase diagram: the share (%) of cyclosis, share[i][j] at alpha_p[i], alpha_u[j]. */

@@ -2,6 +2,8 @@ import { readFileSync } from 'node:fs';
 import { describe, expect, it, vi } from 'vitest';
 import { History } from '../src/panels/history';
 import { lineOf } from '../src/panels/lines';
+import { upAndDown } from '../src/scene/palette';
+import { golden } from './golden';
 import { borders, cellOf, mix, others } from '../src/panels/plane';
 import { fromSlider, short, STEPS, toSlider } from '../src/panels/scales';
 import { Unseen } from '../src/panels/seen';
@@ -9,7 +11,7 @@ import { SpeedMeter } from '../src/panels/speed';
 import { debounce, throttle } from '../src/panels/throttle';
 import { roomBeyond, roomFor, tickTexts, USUAL } from '../src/panels/ticks';
 import { charted, numbers, pace, seen, title } from '../src/panels/words';
-import type { Regime } from '../src/protocol';
+import type { Palette, Regime } from '../src/protocol';
 
 describe('history', () => {
   it('stays bounded, in order, evenly spread, and keeps both ends', () => {
@@ -166,11 +168,8 @@ describe('numbers beside a chart', () => {
 describe('lines of charts', () => {
   const about = ['order', 'mean_P_theta', 'mean_P_z', 'peak_speed', 'power_input', 'P_z', 'u_z'];
 
-  it('never have the colours of up and down, which the cylinder gives a meaning', () => {
+  it('have the colours of up and down where their sign is up or down, and others elsewhere', () => {
     for (const name of about) expect(['--ink', '--flow']).toContain(lineOf(name).colour);
-  });
-
-  it('have these colours beneath them where their sign is up or down', () => {
     expect(about.filter((name) => lineOf(name).upright)).toEqual(['mean_P_z', 'P_z']);
   });
 
@@ -199,6 +198,18 @@ describe('colours of charts', () => {
       expect(contrast(paper, ink)).toBeGreaterThan(10);
       expect(contrast(paper, flow)).toBeGreaterThan(3);
       expect(contrast(ink, flow)).toBeGreaterThan(2.5);
+    }
+  });
+
+  it('of up and down are seen on the page in every palette, and nothing else of it has them', () => {
+    for (const palette of golden<{ palettes: Palette[] }>('colours.json').palettes) {
+      for (const [theme, isDark] of [[light, false], [dark, true]] as const) {
+        for (const colour of upAndDown(palette, isDark)) {
+          expect(contrast(luminance(theme, 'paper'), luminance(`--x: ${colour}`, 'x')), `${palette.name} ${colour}`).toBeGreaterThan(3);
+          const others = theme.replace(/--(up|down): #\w+/g, '');
+          expect(others).not.toContain(colour);
+        }
+      }
     }
   });
 });

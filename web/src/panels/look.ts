@@ -1,5 +1,6 @@
-import type { Palette } from '../protocol';
+import type { Palette, Wheel } from '../protocol';
 import type { Hub } from './hub';
+import { directionOf, upAndDown } from '../scene/palette';
 import { h, panel } from './dom';
 import { keep, kept } from './kept';
 import { change, languages, said, say, spoken } from '../words/say';
@@ -52,13 +53,13 @@ export function look(hub: Hub, target: LookTarget): HTMLElement {
   const paint = (): void => {
     const chosen = hub.about.palettes.find((p) => p.name === palette.value)!;
     const stops = chosen.stops.map(([value, colour]) => `${colour} ${(50 * (value + 1)).toFixed(1)}%`);
-    document.documentElement.style.setProperty('--polarity', `linear-gradient(to right, ${stops.join(', ')})`);
-    // Lines of charts: deep colours on white, bright ones on black.
-    const strength = isDark(theme.value as Theme) ? 1 : 0.33;
-    for (const [name, value] of [['--up', strength], ['--down', -strength]] as const) {
-      const near = chosen.stops.reduce((best, stop) => (Math.abs(stop[0] - value) < Math.abs(best[0] - value) ? stop : best));
-      document.documentElement.style.setProperty(name, near[1]);
-    }
+    const { style } = document.documentElement;
+    style.setProperty('--polarity', `linear-gradient(to right, ${stops.join(', ')})`);
+    const [up, down] = upAndDown(chosen, isDark(theme.value as Theme));
+    style.setProperty('--up', up);
+    style.setProperty('--down', down);
+    style.setProperty('--wheel', chosen.wheel ? conic(chosen.wheel) : 'none');
+    document.documentElement.classList.toggle('wheeled', chosen.wheel !== null);
     target.setPalette(chosen);
     hub.emit('look', null);
   };
@@ -70,4 +71,13 @@ export function look(hub: Hub, target: LookTarget): HTMLElement {
     h('div', { class: 'setting' }, h('label', { for: 'theme' }, say('look.theme')), theme),
     h('div', { class: 'setting' }, h('label', { for: 'language' }, say('look.language')), language),
   );
+}
+
+/** The colours of all directions around a disc, up at its top. */
+function conic(wheel: Wheel): string {
+  const colours = Array.from({ length: 33 }, (_, k) => {
+    const angle = 0.5 * Math.PI - (2 * Math.PI * k) / 32; // clockwise from the top
+    return `rgb(${directionOf(wheel, Math.cos(angle), Math.sin(angle)).map((part) => Math.round(255 * part)).join(' ')})`;
+  });
+  return `radial-gradient(#000, transparent 70%), conic-gradient(${colours.join(', ')})`;
 }

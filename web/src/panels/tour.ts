@@ -1,7 +1,9 @@
 import { h, mathematics } from './dom';
 import { place } from './place';
 import { STORY, type Stage } from './story';
-import { say, type Key } from '../words/say';
+import { isKey, say, type Key } from '../words/say';
+import type { Hub } from './hub';
+import { keptPalette } from './look';
 
 export interface Tour {
   element: HTMLElement;
@@ -86,7 +88,7 @@ export function tour(stage: Stage): Tour {
     }
     count.textContent = say('tour.count', { k: k + 1, all: STORY.length });
     title.textContent = say(`tour.${k + 1}` as Key);
-    text.replaceChildren(...say(`tour.${k + 1}-text` as Key).split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
+    text.replaceChildren(...say(`tour.${k + 1}-text` as Key, { colours: coloured(stage.hub) }).split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
     text.scrollTop = 0;
     back.disabled = k === 0;
     next.textContent = say(k === STORY.length - 1 ? 'tour.done' : 'tour.next');
@@ -103,4 +105,10 @@ export function tour(stage: Stage): Tour {
     go(0);
   };
   return { element, start };
+}
+
+/** What the colours mean, in the palette in use. */
+function coloured(hub: Hub): string {
+  const key = `tour.${keptPalette(hub.about.palettes).name}`;
+  return isKey(key) ? say(key) : '';
 }

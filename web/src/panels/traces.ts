@@ -46,9 +46,9 @@ export function traces(hub: Hub): HTMLElement {
     const key = `charts.${name}`;
     const title = isKey(key) ? say(key) : name.replaceAll('_', ' ');
     const keys = curves.filter(([, symbol]) => symbol).map(([quantity, symbol]) => {
-      const { colour, dash } = lineOf(quantity);
+      const { colour, dash, upright } = lineOf(quantity);
       const style = dash.length === 0 ? 'solid' : dash[0]! < 3 ? 'dotted' : 'dashed';
-      return h('span', { class: 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
+      return h('span', { class: upright ? 'key upright' : 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
     });
     const words = explain(title, () => [
       ...charted(name, hub.model.straight).map((sentence) => h('p', {}, sentence)),
@@ -164,21 +164,22 @@ function chart(host: HTMLElement, x: string, quantities: string[], range?: [numb
     series: [{}, ...quantities.map((quantity) => {
       const { colour, dash, upright } = lineOf(quantity);
       return {
-        stroke: () => style(colour), width: 1.6, dash, points: { show: false },
-        ...(upright ? { fill: directions, fillTo: 0 } : {}),
+        stroke: upright ? (plot: uPlot) => directions(plot, '') : () => style(colour), width: 1.6, dash, points: { show: false },
+        ...(upright ? { fill: (plot: uPlot) => directions(plot, WASH), fillTo: 0 } : {}),
       };
     })],
   }, [[], ...quantities.map(() => [])] as unknown as uPlot.AlignedData, host);
 }
 
-/** The colours of up above zero and of down below it, with a sharp border. */
-function directions(plot: uPlot): CanvasGradient {
+/** The colours of up above zero and of down below it, with a sharp border, at some opacity. */
+function directions(plot: uPlot, opacity: string): CanvasGradient | string {
   const { top, height } = plot.bbox;
+  if (!(height > 0)) return style('--ink');
   const wash = plot.ctx.createLinearGradient(0, top, 0, top + height);
   const zero = (plot.valToPos(0, 'y', true) - top) / height;
   const border = Number.isFinite(zero) ? Math.min(1, Math.max(0, zero)) : 0.5;
   for (const [at, name] of [[0, '--up'], [border, '--up'], [border, '--down'], [1, '--down']] as const) {
-    wash.addColorStop(at, style(name) + WASH);
+    wash.addColorStop(at, style(name) + opacity);
   }
   return wash;
 }

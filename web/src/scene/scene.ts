@@ -64,6 +64,7 @@ export class Scene {
 
   private last = 0;
   private lastShown = -1;
+  private confirmed = -1;
   /** How far the tracers were on their way when they were last drawn. */
   private drawnInside = 1;
   private mapped = { at: 0, version: -1, mixing: -1 };
@@ -248,7 +249,9 @@ export class Scene {
     if (moves) this.particles.step(fields, Math.min(since, 100) / 1000);
     this.draw(now, false);
     if (this.quality.count(now, since)) this.resize();
-    if (!fields.empty && fields.frame !== this.lastShown) {
+    // Also a picture of the same frame, after an action, was sent and is confirmed.
+    if (!fields.empty && fields.version !== this.confirmed) {
+      this.confirmed = fields.version;
       this.lastShown = fields.frame;
       this.onDrawn?.(fields.frame);
     }

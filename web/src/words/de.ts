@@ -191,6 +191,7 @@ const de: Language = {
     'key.fluid': 'Ihre Farbe sagt, ob sich das Fluid auf- oder abwärts bewegt: voll, wo es so schnell ist wie die schnellste Strömung an der Wand, grau (auf der Scheibe fast schwarz), wo es sich nicht längs der Zelle bewegt. Die Wand dahinter zeigt Filamente.',
     'key.colour': 'Die Farbe sagt, wohin Filamente zeigen, auf- oder abwärts, und ist fast schwarz, wo sie uneins sind oder um die Zelle herum laufen.',
     'key.colour-closed': 'Die Farbe sagt, wohin Filamente längs der Zelle zeigen, auf- oder abwärts, und ist fast schwarz, wo sie uneins sind oder um die Zelle herum laufen.',
+    'key.direction': 'Der Farbton sagt, wohin Filamente zeigen, längs der Zelle oder um sie herum, wie auf der Scheibe daneben; dunkel ist, wo sie uneins sind.',
     'key.zones': 'Weiße Linien sind die Indifferenzzonen: Zu ihren beiden Seiten zeigen die Filamente in entgegengesetzte Richtungen. In Unordnung gibt es keine.',
     'key.sphere': 'Eine Kugel hat keine Achse, nach der sich auf und ab richten könnten: Die Farbe sagt, wie einig sich Filamente sind, von Schwarz für gar nicht an.',
     'key.defects': 'Kleine Scheiben sind Punkte, an denen Filamente keine Richtung haben: Auf dem Weg um ein Plus drehen sie sich einmal mit, auf dem um ein Minus einmal dagegen.',
@@ -294,7 +295,10 @@ const de: Language = {
     'tour.leave-tip': 'verlassen (Escape)',
     'tour.count': '{k} von {all}',
     'tour.1': 'Eine Zelle, und was in ihr strömt',
-    'tour.1-text': 'Das ist die Haut einer einzigen Riesenzelle, ein in sich geschlossener Zylinder, bedeckt mit Aktinfilamenten. Sie ist violett, wo sie aufwärts zeigen, grün, wo sie abwärts zeigen, und fast schwarz, wo sie uneins sind. Motoren laufen auf den Filamenten und ziehen das Fluid mit. Die Zelle beginnt in Unordnung: Filamente zeigen in alle Richtungen, und nichts strömt.',
+    'tour.1-text': 'Das ist die Haut einer einzigen Riesenzelle, ein in sich geschlossener Zylinder, bedeckt mit Aktinfilamenten. {colours} Motoren laufen auf den Filamenten und ziehen das Fluid mit. Die Zelle beginnt in Unordnung: Filamente zeigen in alle Richtungen, und nichts strömt.',
+    'tour.polarity': 'Sie ist violett, wo sie aufwärts zeigen, grün, wo sie abwärts zeigen, und fast schwarz, wo sie uneins sind.',
+    'tour.vision': 'Sie ist blau, wo sie aufwärts zeigen, orange, wo sie abwärts zeigen, und fast schwarz, wo sie uneins sind.',
+    'tour.direction': 'Sie ist violett, wo sie aufwärts zeigen, grün, wo sie abwärts zeigen, orange oder blau, wo sie um die Zelle herum zeigen, und fast schwarz, wo sie uneins sind.',
     'tour.2': 'Nachbarn werden sich einig',
     'tour.2-text': 'Filamente bündeln sich: Seite an Seite drehen sie sich in dieselbe Richtung, mit der Rate α_p. Die Zelle läuft jetzt langsam. Beobachten Sie, wie Flecken einer Farbe entstehen und wachsen. In einem Fleck sind sich die Filamente einig, aber noch nicht mit denen des nächsten.',
     'tour.3': 'Die Strömung richtet sie aus',
@@ -309,6 +313,7 @@ const de: Language = {
   package: {
     'palette.polarity': 'Violett und Grün',
     'palette.vision': 'Blau und Orange, für jedes Farbsehen',
+    'palette.direction': 'Richtung der Filamente, auch um die Zelle herum',
     diagram: 'Wie viel Prozent von 50 ungeordneten Zellen an jedem Punkt zur Zyklose kommen; jede wurde verfolgt, bis ihr Ende feststand.',
 
     'term.advection': 'Advektion',
