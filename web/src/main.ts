@@ -11,6 +11,7 @@ import { interventions } from './panels/interventions';
 import { key } from './panels/key';
 import { keys } from './panels/keys';
 import { isDark, keptPalette, look } from './panels/look';
+import { measures } from './panels/measures';
 import { newCell } from './panels/newcell';
 import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
@@ -47,7 +48,7 @@ function build(about: About): void {
   const { element: toastElement, toast } = toaster();
   const ask = (message: Ask): void => {
     if (message.do === 'change') scene.expect();
-    session.ask(message);
+    session.ask(message.do === 'begin' ? { scales: hub.scales, ...message } : message);
   };
   const hub = new Hub(about, ask, toast);
   let inner: InsideSwitch | null = null;
@@ -70,6 +71,7 @@ function build(about: About): void {
   inner = insideSwitch(hub, scene, app);
   cylinder.append(inner.element);
   const tools = hand(hub, scene);
+  hub.on('units', (units) => scene.setUnits(units));
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
   scene.onDrawn = (frame) => unseen.drawn(frame);
@@ -97,7 +99,7 @@ function build(about: About): void {
   );
   panels.append(
     presets(hub), tools.element, parameters(hub), diagram(hub), interventions(hub),
-    share(hub, () => scene.png()), equation(hub), newCell(hub), look(hub, scene),
+    share(hub, () => scene.png()), equation(hub), newCell(hub), measures(hub), look(hub, scene),
     h('p', { class: 'note foot' }, say('page.foot', { version: about.version })),
   );
   if (matchMedia('(max-width: 820px)').matches) {

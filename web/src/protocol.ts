@@ -107,6 +107,14 @@ export interface About {
   presets: Preset[];
   palettes: Palette[];
   diagram: Diagram;
+  /** The scales in whose units cells are shown at first. */
+  scales: Scales | null;
+}
+
+/** Radius (µm) and speed (µm/s) of a cell, by which it is shown in units. */
+export interface Scales {
+  radius_um: number;
+  speed_um_s: number;
 }
 
 export type Values = Record<string, number | boolean | string>;
@@ -116,7 +124,7 @@ export type Said =
   | {
       type: 'cell';
       /** The set-up as its tables, every default filled in. */
-      setup: { model: Values; parameters: Values; grid: Values; initial: Values; run: Values };
+      setup: { model: Values; parameters: Values; grid: Values; initial: Values; run: Values; scales: Partial<Scales> };
       /** The meridian of a closed cell. */
       outline: Outline | null;
       /** Parameters that are active now. */
@@ -173,7 +181,11 @@ export type Ask =
       /** With a link: the later time that was shown, and whether the cell was playing. */
       t?: number;
       playing?: boolean;
+      /** Those of a cell that has none of its own. */
+      scales?: Scales;
     }
+  /** Show the cell in units, or dimensionless. */
+  | { do: 'units'; scales: Scales | null }
   | { do: 'resume'; token: string }
   | { do: 'alive' | 'ping' | 'leave' }
   | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' | 'undo' | 'again' }

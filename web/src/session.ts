@@ -73,6 +73,7 @@ export class Session {
   private begin(again: boolean): void {
     const { hub } = this.parts;
     const { cell, frame } = hub;
+    const { scales } = hub;
     if (cell) {
       const t = Math.max(cell.t, frame?.t ?? 0);
       this.connection.ask({ do: 'begin', link: cell.link, t, playing: cell.playing });
@@ -82,6 +83,6 @@ export class Session {
     }
     const link = location.hash.slice(1);
     const preset = firstPreset(hub.about.presets)?.name;
-    this.connection.ask(link ? { do: 'begin', link } : preset ? { do: 'begin', preset } : { do: 'begin', setup: {} });
+    this.connection.ask(link ? { do: 'begin', link, scales } : preset ? { do: 'begin', preset, scales } : { do: 'begin', setup: {}, scales });
   }
 }

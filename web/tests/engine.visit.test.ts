@@ -119,6 +119,23 @@ describe('a visit to a cell in the browser', () => {
     expect(page.last('cell').setup.initial).toEqual(small().last('cell').setup.initial);
   });
 
+  it('keeps units in its set-up, its link and its files, and hands them on to cells without', () => {
+    const scales = { radius_um: 500, speed_um_s: 75 };
+    const page = small().ask({ do: 'step' }, { do: 'units', scales });
+    const { setup, link, t } = page.last('cell');
+    expect(setup.scales).toEqual(scales);
+    expect(t).toBe(0.1);
+    expect(tomlOf(link)).toContain('[scales]\nradius_um = 500\nspeed_um_s = 75\n');
+    page.ask({ do: 'begin', link, scales: { radius_um: 1, speed_um_s: 1 } });
+    expect(page.last('cell').setup.scales).toEqual(scales);
+    page.ask({ do: 'begin', setup: SMALL, scales });
+    expect(page.last('cell').setup.scales).toEqual(scales);
+    page.ask({ do: 'units', scales: { radius_um: -1, speed_um_s: 1 } });
+    expect(page.last('refused').sentence).toContain('radius_um');
+    page.ask({ do: 'units', scales: null });
+    expect(page.last('cell').setup.scales).toEqual({});
+  });
+
   it('acts on the cell, and its link leads to the same state', () => {
     const page = small().ask(
       { do: 'step' },

@@ -52,6 +52,7 @@ def about() -> dict[str, Any]:
         ],
         "palettes": [asdict(palette) for palette in PALETTES],
         "diagram": diagram(),
+        "scales": None,
     }
 
 

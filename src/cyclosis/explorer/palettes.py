@@ -33,5 +33,7 @@ class Palette:
 PALETTES = (
     Palette("polarity", "purple and green", diverging(GREEN, PURPLE)),
     Palette("vision", "blue and orange, for every colour vision", diverging(ORANGE, BLUE)),
-    Palette("direction", "direction of filaments, also around the cell", diverging(GREEN, PURPLE), wheel=Wheel()),
+    Palette(
+        "direction", "direction of filaments, also around the cell", diverging(GREEN, PURPLE), wheel=Wheel()
+    ),
 )

@@ -8,7 +8,7 @@ import { picture } from './picture';
 import { protocolOf, stepOf, type Step } from './protocol';
 import { judged, type Found } from './regimes';
 import { modulo } from './regions';
-import { checkMemory, filled, linkOf, ready, type SetUp } from './setup';
+import { checkMemory, filled, linkOf, ready, scaled, type SetUp } from './setup';
 import { Undo } from './undo';
 
 /** Time over which the rate of relaxation is measured, and the rate below which a state counts as steady. */
@@ -27,10 +27,19 @@ export class Cell {
   private own: Table = {};
   private readonly done = new Undo();
 
-  constructor(readonly setUp: SetUp, private readonly about: Catalogue) {
-    const { params, grid, state, every, protocol } = ready(setUp, about);
+  constructor(private given: SetUp, private readonly about: Catalogue) {
+    const { params, grid, state, every, protocol } = ready(given, about);
     this.live = new Live(params, grid, state, every, protocol);
     this.record();
+  }
+
+  get setUp(): SetUp {
+    return this.given;
+  }
+
+  /** Show the cell in the units of these scales, or dimensionless. */
+  measure(scales: Table | null): void {
+    this.given = scaled(this.given, scales, this.about);
   }
 
   /** Try some steps; return whether the next frame is reached. */

@@ -36,7 +36,7 @@ export function hand(hub: Hub, target: HandTarget): Hand {
     tool = wanted;
     TOOLS.forEach((name, k) => buttons[k]!.setAttribute('aria-pressed', String(name === tool)));
     tip.textContent = say(`hand.${tool}-tip`);
-    radiusValue.textContent = `${decimals(Number(radius.value), 2)} R`;
+    radiusValue.textContent = hub.units.scales ? hub.units.reaching(Number(radius.value)) : `${decimals(Number(radius.value), 2)} R`;
     angleValue.textContent = `${angle.value}° ${direction(Number(angle.value))}`;
     angleRow.hidden = tool !== 'align';
     apply.disabled = tool === 'turn';
@@ -77,6 +77,7 @@ export function hand(hub: Hub, target: HandTarget): Hand {
         h('button', { id: `drug-${name.replace('_', '-')}`, title: say(`hand.${name}-tip`), onclick: () => hub.ask({ do: 'drug', name }) }, say(`hand.${name}`))),
       explain(say('hand.each-drug'), () => [table(DRUGS.map((name) => [say(`hand.${name}`), say(`hand.${name}-tip`), '']))])),
   );
+  hub.on('units', () => choose(tool));
   choose('turn');
   return { element, choose, stroke: brush };
 }

@@ -11,10 +11,10 @@ export function interventions(hub: Hub): HTMLElement {
   let steps: [number, HTMLElement][] = [];
   const mark = (t: number): void => steps.forEach(([at, item]) => item.classList.toggle('ahead', at > t));
   hub.on('cell', (cell) => {
-    const text = JSON.stringify(cell.protocol);
+    const text = JSON.stringify([cell.protocol, cell.setup.scales]);
     if (text !== shown) {
       shown = text;
-      steps = cell.protocol.map(({ at, text }) => [at, h('li', { title: text }, h('span', { class: 'at' }, `t = ${short(at, 4)}`), ' ', worded(text))]);
+      steps = cell.protocol.map(({ at, text }) => [at, h('li', { title: text }, h('span', { class: 'at' }, hub.units.scales ? hub.units.lasting(at, 4) : `t = ${short(at, 4)}`), ' ', worded(text))]);
       list.replaceChildren(...steps.map(([, item]) => item));
       list.scrollTop = list.scrollHeight;
       none.hidden = steps.length > 0;

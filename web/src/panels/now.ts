@@ -1,9 +1,9 @@
 import type { Hub } from './hub';
 import { h } from './dom';
 import { explain, table } from './explain';
-import { decimals, fromSlider, short, STEPS, toSlider } from './scales';
+import { fromSlider, short, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
-import { numbers, pace, seen, title } from './words';
+import { numbers, pace, seen, title, unitOfTime } from './words';
 import { say } from '../words/say';
 
 /** The state of the cell, and the controls of time. */
@@ -15,7 +15,7 @@ export function now(hub: Hub): HTMLElement {
   const settling = h('span', { id: 'regime-pace' });
   const more = explain(say('now.this'), () => {
     const found = hub.frame?.regime;
-    return found ? [table(numbers(found)), h('p', { class: 'note' }, say('charts.time'))] : [say('now.nothing')];
+    return found ? [table(numbers(found)), h('p', { class: 'note' }, unitOfTime(hub.units))] : [say('now.nothing')];
   });
   const regime = h('p', { id: 'regime' }, name, ' ', reason, ' ', settling);
   // Numbers change at every frame: only a change of regime is read out.
@@ -41,7 +41,8 @@ export function now(hub: Hub): HTMLElement {
     },
   });
   const describe = (wanted: number): void => {
-    value.textContent = say('now.speed-value', { speed: short(wanted) });
+    const { scales, second } = hub.units;
+    value.textContent = say(scales ? 'now.speed-times' : 'now.speed-value', { speed: short(wanted * second) });
     speed.setAttribute('aria-valuetext', say('now.speed-spoken', { speed: short(wanted) }));
   };
 
@@ -58,24 +59,25 @@ export function now(hub: Hub): HTMLElement {
       reason.textContent = settling.textContent = '';
     }
     catchUp(cell.t);
-    clock.textContent = time(cell.t);
+    clock.textContent = hub.units.clock(cell.t);
   });
+  hub.on('units', () => hub.cell && describe(hub.cell.speed));
   const catchUp = (t: number): void => {
     const end = hub.cell?.catching_up ?? null;
     catching.hidden = end === null;
     if (end !== null) catching.value = end > 0 ? Math.min(1, t / end) : 1;
   };
   hub.on('frame', (frame) => {
-    clock.textContent = time(frame.t);
+    clock.textContent = hub.units.clock(frame.t);
     catchUp(frame.t);
     if (!frame.regime) return;
-    const [called, sentence] = [title(frame.regime), seen(frame.regime, frame.profile_P)];
+    const [called, sentence] = [title(frame.regime), seen(frame.regime, frame.profile_P, hub.units)];
     if (name.textContent !== called) {
       name.textContent = called;
       spoken.textContent = `${called}: ${sentence}`;
     }
     if (reason.textContent !== sentence) reason.textContent = sentence;
-    const settles = pace(frame.regime);
+    const settles = pace(frame.regime, hub.units);
     if (settling.textContent !== settles) settling.textContent = settles;
   });
 
@@ -90,8 +92,4 @@ export function now(hub: Hub): HTMLElement {
 
 export function toggle(hub: Hub): void {
   hub.ask({ do: hub.cell?.playing ? 'pause' : 'play' });
-}
-
-function time(t: number): string {
-  return `t = ${decimals(t, 1)}`;
 }

@@ -18,7 +18,7 @@ export function parameters(hub: Hub): HTMLElement {
     pending[name] = value;
     flush(null);
   };
-  const rows = hub.about.parameters.map((definition) => new Row(definition, change));
+  const rows = hub.about.parameters.map((definition) => new Row(definition, hub, change));
   hub.on('cell', (cell) => rows.forEach((row) => row.show(cell, hub.modelOf(cell).unused)));
   return panel('parameters', say('parameters.title'), true, ...rows.map((row) => row.element));
 }
@@ -35,6 +35,7 @@ class Row {
 
   constructor(
     private readonly definition: Definition,
+    private readonly hub: Hub,
     private readonly change: (name: string, value: number | boolean) => void,
   ) {
     const { name, symbol, kind, usual } = definition;
@@ -60,7 +61,7 @@ class Row {
     }, '↺');
     const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
     const words = plainly(name);
-    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, words)]));
+    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, words), ...this.physical()]));
     this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, head, this.chip, this.slider, this.field, this.reset);
   }
 
@@ -74,6 +75,13 @@ class Row {
     this.chip.textContent = say(special === 'ramp' ? 'parameters.ramp' : 'parameters.field');
     if (Date.now() < this.held && !cell.fresh) return;
     this.display(value as number | boolean);
+  }
+
+  /** The value in the units of the cell. */
+  private physical(): Node[] {
+    const value = this.hub.parameters[this.definition.name];
+    const text = typeof value === 'number' ? this.hub.units.parameter(this.definition.name, value) : '';
+    return text ? [h('p', { class: 'note' }, say('units.here', { value: text }))] : [];
   }
 
   private display(value: number | boolean | undefined, slider = true): void {

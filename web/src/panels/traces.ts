@@ -5,6 +5,7 @@ import { h, mathematics } from './dom';
 import { explain } from './explain';
 import { History } from './history';
 import { lineOf } from './lines';
+import { short } from './scales';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
 import { charted, type Chart } from './words';
 import { isKey, said, say } from '../words/say';
@@ -51,13 +52,22 @@ export function traces(hub: Hub): HTMLElement {
       return h('span', { class: upright ? 'key upright' : 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
     });
     const words = explain(title, () => [
-      ...charted(name, hub.model.straight).map((sentence) => h('p', {}, sentence)),
+      ...charted(name, hub.model.straight, hub.units).map((sentence) => h('p', {}, sentence)),
       h('p', { class: 'note' }, say('charts.recorded', { meanings: meanings.join('; ') })),
     ]);
-    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), words, ...keys), host);
-    hosts.push([host, chart(host, x, curves.map(([quantity]) => quantity), range), data]);
+    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), name === 'peak' && unit, words, ...keys), host);
+    hosts.push([host, chart(host, () => (x === 't' && hub.units.scales ? hub.units.time(history.columns[0]!.at(-1) ?? 0).name : x), curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
+  const unit = h('span', { class: 'unit' });
+  const inUnits = (speeds: number[]): number[] => (hub.units.scales ? speeds.map((speed) => hub.units.speed.factor * speed) : speeds);
+  const named = (): void => {
+    unit.textContent = hub.units.scales ? ` (${hub.units.speed.name})` : '';
+  };
+  hub.on('units', () => {
+    named();
+    redraw();
+  });
   let angles = new Float64Array();
   const profile = (): HTMLElement => add('profile', [say('charts.profile-meaning')], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
     const frame = hub.frame;
@@ -66,6 +76,12 @@ export function traces(hub: Hub): HTMLElement {
     return [angles, frame.profile_P, frame.profile_u] as unknown as uPlot.AlignedData;
   }, [-1, 1]);
 
+  /** Times in the unit that suits the last of them. */
+  const times = (): number[] => {
+    const [all] = history.columns as [number[]];
+    const { factor } = hub.units.time(all.at(-1) ?? 0);
+    return factor === 1 ? all : all.map((t) => factor * t);
+  };
   const section = h('section', { id: 'charts', 'aria-label': say('charts.label') });
   const build = (): void => {
     for (const [host, plot] of hosts) {
@@ -79,7 +95,7 @@ export function traces(hub: Hub): HTMLElement {
     const charts = grouped(recorded).map(({ chart, columns }) =>
       add(chart, columns.map((k) => said(`trace.${pick(k).name}`, pick(k).meaning)), 't',
         columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
-        () => [rows.columns[0]!, ...columns.map((k) => rows.columns[k]!)] as uPlot.AlignedData));
+        () => [times(), ...columns.map((k) => (chart === 'peak' ? inUnits(rows.columns[k]!) : rows.columns[k]!))] as uPlot.AlignedData));
     section.replaceChildren(...charts, ...(model.straight ? [profile()] : []));
     hosts.forEach(([host]) => observer.observe(host));
   };
@@ -119,6 +135,7 @@ export function traces(hub: Hub): HTMLElement {
     redraw();
   });
   hub.on('look', () => hosts.forEach(([, plot]) => plot.redraw(false, true)));
+  named();
   build();
   return section;
 }
@@ -136,7 +153,7 @@ const measured = ((): ((text: string) => number) => {
   };
 })();
 
-function chart(host: HTMLElement, x: string, quantities: string[], range?: [number, number]): uPlot {
+function chart(host: HTMLElement, x: () => string, quantities: string[], range?: [number, number]): uPlot {
   const axis = (): uPlot.Axis => ({
     stroke: () => style('--soft'),
     grid: { stroke: () => style('--line'), width: 1 },
@@ -145,7 +162,7 @@ function chart(host: HTMLElement, x: string, quantities: string[], range?: [numb
     gap: 3,
   });
   const below = (ticks: number[]): string[] =>
-    range ? ['0', `${x} = π`, '2π'] : ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4))));
+    range ? ['0', `${x()} = π`, '2π'] : ticks.map((tick, i) => (i === ticks.length - 1 ? `${x()} ${short(tick, 4)}` : short(tick, 4)));
   let last: string[] = [];
   return new uPlot({
     width: 200,

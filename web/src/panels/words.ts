@@ -3,20 +3,28 @@
 import type { Regime } from '../protocol';
 import { isKey, say } from '../words/say';
 import { short } from './scales';
+import { Units } from './units';
 
 /** Widths, as shares of the circumference, that differ by less look equal. */
 const ALIKE = 0.03;
 /** Share of the order in P_theta above which the text says so. */
 const MOSTLY_AROUND = 0.5;
 
+const PURE = new Units(null);
+
 /** The charts of the page: one quantity, or several of one kind. */
 export type Chart = 'order' | 'mean' | 'peak' | 'rotation' | 'power' | 'profile';
 
 /** What a chart shows, in sentences; those over time end with the unit of time. */
-export function charted(chart: string, straight = true): string[] {
+export function charted(chart: string, straight = true, units = PURE): string[] {
   const keys = ['1', '2'].map((k) => [...(straight ? [] : [`charts.${chart}-closed.${k}`]), `charts.${chart}.${k}`].find(isKey));
   const words = keys.filter((key) => key !== undefined).map((key) => say(key));
-  return chart === 'profile' ? words : [...words, say('charts.time')];
+  return chart === 'profile' ? words : [...words, unitOfTime(units)];
+}
+
+/** What a unit of time is, in general or for a cell whose radius and speed are known. */
+export function unitOfTime({ scales, second }: Units): string {
+  return scales ? say('charts.time-here', { radius: short(scales.radius_um), speed: short(scales.speed_um_s), second: short(second) }) : say('charts.time');
 }
 
 export function title(regime: Regime): string {
@@ -25,7 +33,7 @@ export function title(regime: Regime): string {
 }
 
 /** What the cell shows, in a sentence without jargon. `profile` is the axial mean of P_z over theta. */
-export function seen(regime: Regime, profile: ArrayLike<number>): string {
+export function seen(regime: Regime, profile: ArrayLike<number>, units = PURE): string {
   const [fewest, most] = regime.boundaries;
   const closed = regime.defects !== undefined;
   const end = regime.mean[1] > 0 ? 'up' : 'down';
@@ -43,7 +51,7 @@ export function seen(regime: Regime, profile: ArrayLike<number>): string {
     case 'multistripe':
       return say('seen.multistripe', { Count: capital(counted(most)) });
     case 'travelling':
-      return say('seen.travelling', { how: movement(regime.drift) });
+      return say('seen.travelling', { how: movement(regime.drift, units) });
   }
   if (closed && regime.name === 'undecided' && /rotation explains/.test(regime.reason)) return say('seen.no-axis');
   if (fewest !== most) return say(fewest === 0 ? 'seen.boundaries-up-to' : 'seen.boundaries', { Fewest: capital(counted(fewest)), most: counted(most) });
@@ -51,10 +59,10 @@ export function seen(regime: Regime, profile: ArrayLike<number>): string {
 }
 
 /** Whether and how fast the cell settles; empty while it is too early to tell. */
-export function pace({ name, pace: rate }: Regime): string {
+export function pace({ name, pace: rate }: Regime, units = PURE): string {
   if (rate === null || rate === 0) return '';
   if (rate === 'steady') return say('pace.steady');
-  const time = lasting(Math.LN2 / Math.abs(rate));
+  const time = units.lasting(Math.LN2 / Math.abs(rate), 2);
   if (rate > 0) return say('pace.growing', { time });
   // What is not decided may well pick up again.
   return say(name === 'undecided' ? 'pace.slowing' : 'pace.settling', { time });
@@ -93,8 +101,8 @@ function streams({ zones, widths }: Regime, profile: ArrayLike<number>): string 
   return say('seen.cyclosis-share', { percent: Math.round(100 * up) });
 }
 
-function movement([around, along]: [number, number]): string {
-  const turn = Math.abs(around) > 0 ? say('move.turn', { time: lasting((2 * Math.PI) / Math.abs(around)) }) : '';
+function movement([around, along]: [number, number], units: Units): string {
+  const turn = Math.abs(around) > 0 ? say('move.turn', { time: units.lasting((2 * Math.PI) / Math.abs(around), 2) }) : '';
   const slide = Math.abs(along) > 0.1 * Math.abs(around) ? say(along > 0 ? 'move.up' : 'move.down') : '';
   if (turn && slide) return say('move.both', { one: turn, other: slide });
   return turn || slide || say('move.whole');
@@ -102,5 +110,3 @@ function movement([around, along]: [number, number]): string {
 
 const counted = (count: number): string => say('count.words').split('|')[count] ?? String(count);
 const capital = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
-/** A time in two digits: enough for a quantity that is measured while it changes. */
-const lasting = (value: number): string => `${short(value, 2)} R/U`;

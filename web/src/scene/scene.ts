@@ -8,8 +8,10 @@ import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
 import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
+import { ScaleBar } from './scalebar';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
+import type { Units } from '../panels/units';
 import { View } from './view';
 import { say } from '../words/say';
 
@@ -54,6 +56,7 @@ export class Scene {
   private readonly map: UnwrappedMap;
   private readonly control: Control;
   private readonly quality = new Quality();
+  private readonly bar = new ScaleBar();
   private cylinder: Cylinder | null = null;
   private lost = false;
   private readonly software: boolean;
@@ -88,6 +91,7 @@ export class Scene {
     label(this.map.moving, say('scene.map'));
     this.map.still.setAttribute('aria-hidden', 'true');
     place(options.cylinder, this.canvas);
+    options.cylinder.append(this.bar.element);
     place(options.map, this.map.still, this.map.moving);
     this.canvas.style.touchAction = 'none';
     try {
@@ -191,6 +195,13 @@ export class Scene {
     this.stale = this.dirty = true;
   }
 
+  /** Lengths are shown in these units. */
+  setUnits(units: Units): void {
+    this.map.units = units;
+    this.bar.units = units;
+    this.resize();
+  }
+
   setTool(tool: Tool, radius: number): void {
     this.control.setTool(tool, radius);
   }
@@ -272,6 +283,7 @@ export class Scene {
       this.mapped = { at: now, version: fields.version, mixing };
       this.stale = false;
     }
+    this.bar.show(fields.empty || !this.cylinder ? 0 : view.scale, view.width);
     map.drawMoving(fields, control.mark, view.turn, this.defects);
     this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
     if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, this.quality.ratio);

@@ -58,6 +58,7 @@ const de: Language = {
     'now.undo-tip': 'Zurück zum Zustand vor Ihrem letzten Eingriff (z)',
     'now.speed': 'Tempo',
     'now.speed-value': '{speed} R/U pro s',
+    'now.speed-times': '{speed} × Echtzeit',
     'now.speed-spoken': '{speed} Zeiteinheiten pro Sekunde',
 
     'presets.title': 'Beginnen mit',
@@ -170,6 +171,16 @@ const de: Language = {
     'new.circumferential': 'um die Achse',
     'new.stripes': 'Streifen',
 
+    'units.title': 'Einheiten',
+    'units.choice': 'Längen und Zeiten',
+    'units.none': 'R und R/U',
+    'units.some': 'µm und Sekunden',
+    'units.radius': 'Radius der Zelle in µm',
+    'units.speed': 'Geschwindigkeit, die ausgerichtete Filamente antreiben, in µm/s',
+    'units.note': 'Bei Chara ist R etwa 500 µm, und das Fluid strömt mit 50 bis 100 µm/s. Die Zelle bleibt dieselbe: Nur ihre Zahlen stehen in Einheiten. Die Adresse und die Dateien behalten sie.',
+    'units.positive': 'Radius und Geschwindigkeit müssen Zahlen über 0 sein.',
+    'units.here': 'In dieser Zelle: {value}.',
+
     'look.title': 'Darstellung',
     'look.colours': 'Farben',
     'look.theme': 'Hintergrund',
@@ -216,6 +227,7 @@ const de: Language = {
     'charts.recorded': 'Wie das Paket es aufzeichnet: {meanings}.',
     'charts.profile-meaning': 'Mittelwerte längs der Achse über dem Winkel θ',
     'charts.time': 'Die Zeit wird in R/U gezählt, dem Radius der Zelle geteilt durch die Geschwindigkeit, die ihre Motoren dem Fluid geben. Bei Chara (R = 0,5 mm, Strömung mit 50 bis 100 µm/s) dauert eine solche Einheit etwa 5 bis 10 Sekunden.',
+    'charts.time-here': 'Die Gleichung zählt die Zeit in R/U, dem Radius der Zelle geteilt durch die Geschwindigkeit, die ihre Motoren dem Fluid geben. In dieser Zelle ist R {radius} µm und U {speed} µm/s, sodass eine solche Einheit {second} s dauert.',
     'charts.order.1': 'Wie einig sich die Filamente in der ganzen Zelle sind: 0, wenn sie in alle Richtungen zeigen, 1, wenn alle Nachbarn in dieselbe Richtung zeigen.',
     'charts.mean.1': 'Wohin Filamente im Mittel zeigen. Längs der Zelle (P_z, durchgezogen) liegt aufwärts über null und abwärts darunter, in den Farben des Zylinders; um die Zelle herum (P_θ) ist gestrichelt.',
     'charts.mean.2': 'Zwei gleiche Ströme heben sich auf: Dann ist P_z nahe null, so stark sie auch sind.',

@@ -54,6 +54,7 @@ const en = {
   'now.undo-tip': 'Back to just before your last intervention (z)',
   'now.speed': 'Speed',
   'now.speed-value': '{speed} R/U per s',
+  'now.speed-times': '{speed} × real time',
   'now.speed-spoken': '{speed} time units a second',
 
   'presets.title': 'Begin with',
@@ -166,6 +167,16 @@ const en = {
   'new.circumferential': 'circumferential',
   'new.stripes': 'stripes',
 
+  'units.title': 'Units',
+  'units.choice': 'Lengths and times',
+  'units.none': 'R and R/U',
+  'units.some': 'µm and seconds',
+  'units.radius': 'radius of the cell in µm',
+  'units.speed': 'speed that aligned filaments drive, in µm/s',
+  'units.note': 'In Chara R is about 500 µm, and the fluid streams at 50 to 100 µm/s. The cell stays the same: only its numbers are shown in units. The address and the files keep them.',
+  'units.positive': 'Radius and speed must be numbers above 0.',
+  'units.here': 'In this cell: {value}.',
+
   'look.title': 'Appearance',
   'look.colours': 'Colours',
   'look.theme': 'Theme',
@@ -212,6 +223,7 @@ const en = {
   'charts.recorded': 'As the package records it: {meanings}.',
   'charts.profile-meaning': 'means along the axis against the angle θ',
   'charts.time': 'Time is counted in R/U, the radius of the cell over the speed that its motors give the fluid. In Chara (R = 0.5 mm, streaming at 50 to 100 µm/s) one such unit is about 5 to 10 seconds.',
+  'charts.time-here': 'The equation counts time in R/U, the radius of the cell over the speed that its motors give the fluid. In this cell R is {radius} µm and U is {speed} µm/s, so that one such unit is {second} s.',
   'charts.order.1': 'How much filaments agree, over the whole cell: 0 if they point in all directions, 1 if all neighbours point the same way.',
   'charts.mean.1': 'Which way filaments point on average. Along the cell (P_z, solid) up is above zero and down below it, in the colours of the cylinder; around the cell (P_θ) is dashed.',
   'charts.mean.2': 'Two equal streams cancel: then P_z is near zero, however strong they are.',
