@@ -16,6 +16,7 @@ import { newCell } from './panels/newcell';
 import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
 import { parameters } from './panels/parameters';
+import { projector } from './panels/projector';
 import { presets } from './panels/presets';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
@@ -76,6 +77,8 @@ function build(about: About): void {
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
   scene.onDrawn = (frame) => unseen.drawn(frame);
   const guide = tour({ hub, choose: tools.choose });
+  const screen = projector(() => hub.emit('look', null));
+  handles.querySelector('.transport')!.append(screen.leave);
   const help = keys([
     [' ', say('keys.play'), () => toggle(hub)],
     ['.', say('keys.step'), () => hub.ask({ do: 'step' })],
@@ -87,13 +90,15 @@ function build(about: About): void {
     ['3', say('keys.fragment'), () => tools.choose('fragment')],
     ['4', say('keys.align'), () => tools.choose('align')],
     ['v', say('keys.inside'), () => inner?.toggle()],
-    ['t', say('keys.tour'), () => guide.start()],
+    ['f', say('keys.project'), screen.toggle],
+    ['t', say('keys.tour'), () => { screen.off(); guide.start(); }],
     ['?', say('keys.list'), () => help.open()],
   ]);
   header.append(
     h('h1', {}, 'cyclosis'),
     h('p', { class: 'motto' }, say('page.motto')),
     h('nav', { 'aria-label': say('page.help') },
+      screen.enter,
       h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, say('page.tour')),
       h('button', { id: 'keys', 'aria-label': say('page.keys'), title: `${say('page.keys')} (?)`, onclick: () => help.open() }, '?')),
   );

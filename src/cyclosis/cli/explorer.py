@@ -45,8 +45,8 @@ def explore(
     """Open the explorer: a living cell in the browser."""
     import webbrowser
 
-    from ..explorer.server import LOOPBACK, ServerLimits, serve
     from ..config import check
+    from ..explorer.server import LOOPBACK, ServerLimits, serve
     from ..model.devices import require_devices
     from ..model.units import of_table
 

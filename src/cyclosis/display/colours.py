@@ -18,8 +18,8 @@ WHEEL = ("#f08a3c", "#b377e3", "#15488f", "#87ec98")
 """Colours of |P| = 1 where P points to e_theta, e_z, -e_theta and -e_z; opposite ones differ in hue, and
 neighbours that look alike without red or green differ in lightness. See tests/figures/test_looks.py."""
 GAMMA, DARKEST = 2.2, 0.01
-"""Between these four, and towards P = 0, colours are mixed as light: red, green and blue to the power `GAMMA`;
-that of P is that of its direction times |P|, and `DARKEST` of it remains at P = 0."""
+"""Between these four, and towards P = 0, colours are mixed as light: red, green and blue to the power
+`GAMMA`. The light of P is that of its direction times |P|, and `DARKEST` of it remains at P = 0."""
 ZONE = "#ffffff"
 """Indifferent zones."""
 

@@ -20,7 +20,7 @@ class Wheel:
 class Palette:
     """Colours of P_z: `stops` (value from -1 to 1, colour), in order, and that of indifferent zones.
 
-    With a `wheel` the cell shows the direction of P and |P| instead; what has no direction around keeps `stops`.
+    With a `wheel` the cell shows the direction of P and |P| instead; the flow inside keeps `stops`.
     """
 
     name: str

@@ -27,7 +27,8 @@ def write(folder: str | Path, page: Path = PAGE, scales: Mapping[str, float] | N
     """Write the files and return how many bytes they are.
 
     The folder must be new or empty. Addresses in the files are relative, so that it can be served under any
-    path. With `scales`, a [scales] table, cells are shown in their units at first. Raises `InputError` for another folder, and if the page was not built.
+    path. With `scales`, a [scales] table, cells are shown in their units at first. Raises `InputError` for
+    another folder, and if the page was not built.
     """
     target = Path(folder)
     if not (page / "index.html").is_file():

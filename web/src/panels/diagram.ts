@@ -1,5 +1,6 @@
 import type { Curves, Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { mathematics } from './mathematics';
 import { borders, cellOf, mix, others } from './plane';
 import { short } from './scales';
 import { debounce } from './throttle';

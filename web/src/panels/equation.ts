@@ -1,5 +1,7 @@
 import type { Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { prose } from './prose';
+import { mathematics } from './mathematics';
 import { said, say } from '../words/say';
 
 const name = (term: string): string => said(`term.${term}`, term.replaceAll('_', ' '));
@@ -14,7 +16,7 @@ export function equation(hub: Hub): HTMLElement {
       class: 'term', 'data-term': term.name, 'aria-pressed': 'false', title: name(term.name),
       onclick: () => {
         buttons.forEach((other) => other.setAttribute('aria-pressed', String(other === button)));
-        caption.replaceChildren(h('strong', {}, `${name(term.name)}: `), said(`term.${term.name}.caption`, term.caption));
+        caption.replaceChildren(h('strong', {}, `${name(term.name)}: `), ...prose(said(`term.${term.name}.caption`, term.caption)));
       },
     }, sign, mathematics(term.formula.replace(/^[-−]\s*/, '')));
     return button;
@@ -24,6 +26,6 @@ export function equation(hub: Hub): HTMLElement {
     h('p', { class: 'equation' }, h('span', {}, mathematics('∂P/∂t = ')), ...buttons),
     caption,
     h('p', { class: 'equation quiet' }, mathematics('−μ ∇²u + u + Π₀ e_z + ∇Π′ = |P|ⁿ P,  ∇·u = 0')),
-    h('p', { class: 'note' }, say('equation.text')),
+    h('p', { class: 'note' }, ...prose(say('equation.text'))),
   );
 }

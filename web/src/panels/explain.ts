@@ -37,7 +37,7 @@ export function explain(about: string, fill: () => (Node | string)[]): HTMLEleme
 }
 
 /** Below the button, or above where there is no room, and within the window. */
-function beside(box: HTMLElement, button: HTMLElement): void {
+export function beside(box: HTMLElement, button: HTMLElement): void {
   const at = button.getBoundingClientRect();
   const { offsetWidth: width, offsetHeight: height } = box;
   const left = Math.max(APART, Math.min(at.left, innerWidth - width - APART));

@@ -1,7 +1,8 @@
 import type { Tool } from '../scene/scene';
 import type { Ask } from '../protocol';
 import type { Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { mathematics } from './mathematics';
 import { explain, table } from './explain';
 import { say } from '../words/say';
 import { decimals } from './scales';

@@ -1,12 +1,13 @@
 import type { Hub } from './hub';
 import { h, panel } from './dom';
 import { short } from './scales';
+import { prose } from './prose';
 import { heard, say } from '../words/say';
 
 /** The actions on this cell, past and to come. */
 export function interventions(hub: Hub): HTMLElement {
   const list = h('ol', { id: 'interventions', tabindex: 0, 'aria-label': say('done.title') });
-  const none = h('p', { class: 'note' }, say('done.none'));
+  const none = h('p', { class: 'note' }, ...prose(say('done.none')));
   let shown = '';
   let steps: [number, HTMLElement][] = [];
   const mark = (t: number): void => steps.forEach(([at, item]) => item.classList.toggle('ahead', at > t));

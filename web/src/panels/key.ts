@@ -1,4 +1,5 @@
 import { h } from './dom';
+import { prose } from './prose';
 import { explain } from './explain';
 import { say } from '../words/say';
 
@@ -21,18 +22,18 @@ export function key(drawn: () => Drawn): HTMLElement {
   const inside = h('span', { class: 'key-inside' }, say('key.inside'));
   return h('div', { class: 'key-bar' }, inside, bar, explain(say('key.what'), () => [
     ...(drawn().opened ? [
-      h('p', {}, say('key.front')),
-      h('p', {}, say('key.fluid')),
+      h('p', {}, ...prose(say('key.front'))),
+      h('p', {}, ...prose(say('key.fluid'))),
     ] : []),
-    ...(drawn().wheeled ? [h('p', {}, say('key.direction'))] : []),
+    ...(drawn().wheeled ? [h('p', {}, ...prose(say('key.direction')))] : []),
     ...(drawn().axial ? [
-      ...(drawn().wheeled ? [] : [h('p', {}, say(drawn().closed ? 'key.colour-closed' : 'key.colour'))]),
-      h('p', {}, say('key.zones')),
-    ] : drawn().wheeled ? [] : [h('p', {}, say('key.sphere'))]),
+      ...(drawn().wheeled ? [] : [h('p', {}, ...prose(say(drawn().closed ? 'key.colour-closed' : 'key.colour')))]),
+      h('p', {}, ...prose(say('key.zones'))),
+    ] : drawn().wheeled ? [] : [h('p', {}, ...prose(say('key.sphere')))]),
     ...(drawn().closed ? [
-      h('p', {}, say('key.defects')),
-      h('p', {}, say('key.map')),
+      h('p', {}, ...prose(say('key.defects'))),
+      h('p', {}, ...prose(say('key.map'))),
     ] : []),
-    h('p', {}, say('key.specks')),
+    h('p', {}, ...prose(say('key.specks'))),
   ]));
 }

@@ -1,5 +1,6 @@
 import { h, takesKeys } from './dom';
 import { keep, kept } from './kept';
+import { explained, glossary, symbols, titleOf } from './prose';
 import { say } from '../words/say';
 
 export interface Keys {
@@ -16,6 +17,8 @@ export function keys(bindings: [key: string, text: string, act: () => void][]): 
     h('h2', { id: 'help-title' }, say('keys.title')),
     h('dl', {}, ...bindings.flatMap(([key, text]) => [h('dt', {}, h('kbd', {}, key === ' ' ? say('keys.space') : key)), h('dd', {}, text)]),
       h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, say('keys.tab'))),
+    h('h2', {}, say('glossary.title')),
+    h('dl', { class: 'glossary' }, ...glossary().flatMap((name) => [h('dt', {}, titleOf(name)), h('dd', {}, ...symbols(explained(name)))])),
     h('p', {}, h('label', {}, on, say('keys.everywhere'))),
     close,
   );

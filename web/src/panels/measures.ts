@@ -1,5 +1,6 @@
 import type { Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { mathematics } from './mathematics';
 import { say } from '../words/say';
 
 /** The long internodal cell of Chara. */

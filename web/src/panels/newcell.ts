@@ -1,6 +1,8 @@
 import type { Definition, Shape, Values } from '../protocol';
 import type { Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { prose, symbols } from './prose';
+import { mathematics } from './mathematics';
 import { isKey, said, say } from '../words/say';
 
 type Table = 'model' | 'grid' | 'initial' | 'run';
@@ -62,7 +64,7 @@ export function newCell(hub: Hub): HTMLElement {
       h('div', { class: 'setting' }, h('label', { for: 'setting-shape' }, h('small', {}, say('new.shape'))), shape),
       ...grids.flatMap(({ entries }) => entries.map((e) => e.element)),
       ...initial.map((e) => e.element), interval.element,
-      h('p', { class: 'note' }, say('new.note', { points: about.limits.points })),
+      h('p', { class: 'note' }, ...prose(say('new.note', { points: about.limits.points }))),
       h('button', { id: 'begin', class: 'main', type: 'submit' }, say('new.begin'))),
   );
 }
@@ -92,6 +94,6 @@ function entry(table: Table, definition: Definition, prefix = '', place = ''): E
   const input = allowed.length
     ? h('select', { id }, ...allowed.map((choice) => h('option', { value: choice, selected: choice === definition.default }, named(String(choice)))))
     : h('input', { id, type: 'number', step: 'any', min: definition.minimum, max: definition.maximum, value: definition.default ?? '' });
-  const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning));
+  const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, ...symbols(meaning)));
   return { table, definition, input, element: h('div', { class: 'setting' }, label, input) };
 }

@@ -2,6 +2,7 @@ import type { Hub } from './hub';
 import { h } from './dom';
 import { explain, table } from './explain';
 import { fromSlider, short, STEPS, toSlider } from './scales';
+import { prose } from './prose';
 import { throttle } from './throttle';
 import { numbers, pace, seen, title, unitOfTime } from './words';
 import { say } from '../words/say';
@@ -12,10 +13,11 @@ export function now(hub: Hub): HTMLElement {
   const { ask } = hub;
   const name = h('strong', { id: 'regime-name' }, '…');
   const reason = h('span', { id: 'regime-reason' });
+  let said = '';
   const settling = h('span', { id: 'regime-pace' });
   const more = explain(say('now.this'), () => {
     const found = hub.frame?.regime;
-    return found ? [table(numbers(found)), h('p', { class: 'note' }, unitOfTime(hub.units))] : [say('now.nothing')];
+    return found ? [table(numbers(found)), h('p', { class: 'note' }, ...prose(unitOfTime(hub.units)))] : [say('now.nothing')];
   });
   const regime = h('p', { id: 'regime' }, name, ' ', reason, ' ', settling);
   // Numbers change at every frame: only a change of regime is read out.
@@ -23,7 +25,7 @@ export function now(hub: Hub): HTMLElement {
   const clock = h('output', { id: 'clock', 'aria-live': 'off' }, 't = 0');
   const catching = h('progress', { id: 'catching', max: 1, hidden: true, 'aria-label': say('now.catching') });
 
-  const again = h('button', { id: 'again', class: 'icon', 'aria-label': say('now.again'), title: say('now.again-tip'), onclick: () => ask({ do: 'again' }) }, '⏮');
+  const again = h('button', { id: 'again', class: 'icon', 'aria-label': say('now.again'), title: say('now.again-tip'), onclick: () => ask({ do: 'again' }) }, '❙◀');
   const undo = h('button', { id: 'undo', disabled: true, title: say('now.undo-tip'), onclick: () => ask({ do: 'undo' }) }, say('now.undo'));
   const play = h('button', { id: 'play', class: 'main', 'aria-pressed': 'false', onclick: () => toggle(hub) }, say('now.play'));
   const step = h('button', { id: 'step', onclick: () => ask({ do: 'step' }), title: say('now.step-tip') }, say('now.step'));
@@ -56,7 +58,7 @@ export function now(hub: Hub): HTMLElement {
     }
     if (cell.fresh) {
       name.textContent = '…';
-      reason.textContent = settling.textContent = '';
+      said = reason.textContent = settling.textContent = '';
     }
     catchUp(cell.t);
     clock.textContent = hub.units.clock(cell.t);
@@ -76,7 +78,7 @@ export function now(hub: Hub): HTMLElement {
       name.textContent = called;
       spoken.textContent = `${called}: ${sentence}`;
     }
-    if (reason.textContent !== sentence) reason.textContent = sentence;
+    if (said !== sentence) reason.replaceChildren(...prose((said = sentence)));
     const settles = pace(frame.regime, hub.units);
     if (settling.textContent !== settles) settling.textContent = settles;
   });
@@ -85,7 +87,7 @@ export function now(hub: Hub): HTMLElement {
     'section', { id: 'now', 'aria-label': say('now.label') },
     h('div', { class: 'state' }, regime, spoken, h('span', { class: 'row clock' }, clock, more)),
     catching,
-    h('div', { class: 'row wrap' }, again, play, step, undo, seed),
+    h('div', { class: 'row wrap transport' }, again, play, step, undo, seed),
     h('div', { class: 'row speed' }, h('label', { for: 'speed' }, say('now.speed')), speed, value),
   );
 }

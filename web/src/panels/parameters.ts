@@ -1,8 +1,10 @@
 import type { Definition, Values } from '../protocol';
 import type { Cell, Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { mathematics } from './mathematics';
 import { explain } from './explain';
 import { plainly } from './plain';
+import { prose, symbols } from './prose';
 import { fromSlider, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
 import { said, say } from '../words/say';
@@ -59,9 +61,9 @@ class Row {
     this.reset = h('button', {
       id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': say('parameters.reset', { name }), onclick: () => this.set(this.own),
     }, '↺');
-    const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
+    const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, ...symbols(meaning)));
     const words = plainly(name);
-    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, words), ...this.physical()]));
+    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, ...prose(words)), ...this.physical()]));
     this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, head, this.chip, this.slider, this.field, this.reset);
   }
 

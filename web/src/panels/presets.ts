@@ -1,6 +1,7 @@
 import type { Preset } from '../protocol';
 import type { Hub } from './hub';
 import { h, panel } from './dom';
+import { prose } from './prose';
 import { said, say } from '../words/say';
 
 const GROUPS: Preset['group'][] = ['figures', 'regimes', 'experiments'];
@@ -8,6 +9,7 @@ const GROUPS: Preset['group'][] = ['figures', 'regimes', 'experiments'];
 /** Ready-made cells worth seeing. */
 export function presets(hub: Hub): HTMLElement {
   const text = h('p', { id: 'preset-text', class: 'note', 'aria-live': 'polite' });
+  let shown = '';
   const own = h('option', { value: '' }, say('presets.own'));
   const select = h(
     'select', { id: 'preset', onchange: () => select.value && hub.ask({ do: 'begin', preset: select.value }) },
@@ -20,7 +22,10 @@ export function presets(hub: Hub): HTMLElement {
     const found = hub.about.presets.find((p) => p.name === cell.preset);
     select.value = found?.name ?? '';
     own.hidden = found !== undefined;
-    text.textContent = found ? said(`preset.${found.name}.text`, found.text) : say('presets.own-text');
+    const words = found ? said(`preset.${found.name}.text`, found.text) : say('presets.own-text');
+    if (words === shown) return;
+    shown = words;
+    text.replaceChildren(...prose(words));
   });
   return panel('presets', say('presets.title'), true, h('label', { for: 'preset', class: 'hidden' }, say('presets.label')), select, text);
 }

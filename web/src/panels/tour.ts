@@ -1,4 +1,5 @@
-import { h, mathematics } from './dom';
+import { h } from './dom';
+import { prose } from './prose';
 import { place } from './place';
 import { STORY, type Stage } from './story';
 import { isKey, say, type Key } from '../words/say';
@@ -88,7 +89,7 @@ export function tour(stage: Stage): Tour {
     }
     count.textContent = say('tour.count', { k: k + 1, all: STORY.length });
     title.textContent = say(`tour.${k + 1}` as Key);
-    text.replaceChildren(...say(`tour.${k + 1}-text` as Key, { colours: coloured(stage.hub) }).split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
+    text.replaceChildren(...prose(say(`tour.${k + 1}-text` as Key, { colours: coloured(stage.hub) })));
     text.scrollTop = 0;
     back.disabled = k === 0;
     next.textContent = say(k === STORY.length - 1 ? 'tour.done' : 'tour.next');

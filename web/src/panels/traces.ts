@@ -1,10 +1,12 @@
 import uPlot from 'uplot';
 import type { Trace } from '../protocol';
 import type { Hub } from './hub';
-import { h, mathematics } from './dom';
+import { h } from './dom';
+import { mathematics } from './mathematics';
 import { explain } from './explain';
 import { History } from './history';
 import { lineOf } from './lines';
+import { prose } from './prose';
 import { short } from './scales';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
 import { charted, type Chart } from './words';
@@ -52,7 +54,7 @@ export function traces(hub: Hub): HTMLElement {
       return h('span', { class: upright ? 'key upright' : 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
     });
     const words = explain(title, () => [
-      ...charted(name, hub.model.straight, hub.units).map((sentence) => h('p', {}, sentence)),
+      ...charted(name, hub.model.straight, hub.units).map((sentence) => h('p', {}, ...prose(sentence))),
       h('p', { class: 'note' }, say('charts.recorded', { meanings: meanings.join('; ') })),
     ]);
     const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), name === 'peak' && unit, words, ...keys), host);
