@@ -31,6 +31,9 @@ def texts():
         found |= {f"setting.{shape['name']}.{each['name']}": each["meaning"] for each in shape["settings"]}
     for model in told["models"].values():
         found |= {f"trace.{item['name']}": item["meaning"] for item in model["traces"]}
+    for k, item in enumerate(told["worksheet"], 1):
+        found[f"worksheet.{k}"] = item["question"]
+        found |= {f"worksheet.{k}.try": item["attempt"], f"worksheet.{k}.answer": item["answer"]}
     return found
 
 

@@ -23,6 +23,7 @@ import { share } from './panels/share';
 import { SpeedMeter } from './panels/speed';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
+import { worksheet } from './panels/worksheet';
 import { Waits } from './panels/waits';
 import type { About, Ask, Said } from './protocol';
 import { Scene } from './scene/scene';
@@ -94,11 +95,13 @@ function build(about: About): void {
     ['t', say('keys.tour'), () => { screen.off(); guide.start(); }],
     ['?', say('keys.list'), () => help.open()],
   ]);
+  const questions = worksheet(hub);
   header.append(
     h('h1', {}, 'cyclosis'),
     h('p', { class: 'motto' }, say('page.motto')),
     h('nav', { 'aria-label': say('page.help') },
       screen.enter,
+      h('button', { id: 'questions', onclick: () => questions.open() }, say('worksheet.title')),
       h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, say('page.tour')),
       h('button', { id: 'keys', 'aria-label': say('page.keys'), title: `${say('page.keys')} (?)`, onclick: () => help.open() }, '?')),
   );
@@ -148,7 +151,7 @@ function build(about: About): void {
       unseen.forget();
     },
   }, chosenEngine());
-  app.append(guide.element, help.element, session.banner);
+  app.append(guide.element, help.element, questions.element, session.banner);
   addEventListener('hashchange', () => {
     const link = location.hash.slice(1);
     if (link && link !== hub.link) hub.ask({ do: 'begin', link });

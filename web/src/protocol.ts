@@ -107,8 +107,17 @@ export interface About {
   presets: Preset[];
   palettes: Palette[];
   diagram: Diagram;
+  worksheet: Question[];
   /** The scales in whose units cells are shown at first. */
   scales: Scales | null;
+}
+
+/** A question for a class: what to try, the answer, and the link of its cell. */
+export interface Question {
+  question: string;
+  attempt: string;
+  answer: string;
+  link: string;
 }
 
 /** Radius (µm) and speed (µm/s) of a cell, by which it is shown in units. */

@@ -14,13 +14,12 @@ export function keys(bindings: [key: string, text: string, act: () => void][]): 
   const close = h('button', { class: 'main', onclick: () => dialog.close(), autofocus: true }, say('keys.close'));
   const dialog = h(
     'dialog', { id: 'help', 'aria-labelledby': 'help-title' },
-    h('h2', { id: 'help-title' }, say('keys.title')),
+    h('div', { class: 'row spread' }, h('h2', { id: 'help-title' }, say('keys.title')), close),
     h('dl', {}, ...bindings.flatMap(([key, text]) => [h('dt', {}, h('kbd', {}, key === ' ' ? say('keys.space') : key)), h('dd', {}, text)]),
       h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, say('keys.tab'))),
+    h('p', {}, h('label', {}, on, say('keys.everywhere'))),
     h('h2', {}, say('glossary.title')),
     h('dl', { class: 'glossary' }, ...glossary().flatMap((name) => [h('dt', {}, titleOf(name)), h('dd', {}, ...symbols(explained(name)))])),
-    h('p', {}, h('label', {}, on, say('keys.everywhere'))),
-    close,
   );
   document.addEventListener('keydown', (event) => {
     if (!on.checked || event.ctrlKey || event.metaKey || event.altKey || dialog.open || (event.repeat && event.key !== '.')) return;

@@ -3,7 +3,7 @@ import { h } from './dom';
 import { heard, say } from '../words/say';
 
 /** Requests that are allowed while a cell is being prepared. */
-const ALWAYS = new Set<Ask['do']>(['seen', 'tell', 'begin', 'play', 'pause', 'speed', 'vacuole']);
+const ALWAYS = new Set<Ask['do']>(['seen', 'tell', 'begin', 'play', 'pause', 'speed', 'vacuole', 'units']);
 
 /**
  * What the page is waiting for: a message over the stage and next to the controls of time. Controls are disabled
