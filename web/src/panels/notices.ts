@@ -26,7 +26,7 @@ export function lostBanner(reconnect: () => void): {
   hide(): void;
 } {
   const text = h('span');
-  const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect });
+  const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect }, say('page.try-now'));
   const element = h('div', { id: 'lost', role: 'alert', hidden: true }, text, ' ', button);
   return {
     element,

@@ -58,7 +58,7 @@ export function traces(hub: Hub): HTMLElement {
       h('p', { class: 'note' }, say('charts.recorded', { meanings: meanings.join('; ') })),
     ]);
     const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), name === 'peak' && unit, words, ...keys), host);
-    hosts.push([host, chart(host, () => (x === 't' && hub.units.scales ? hub.units.time(history.columns[0]!.at(-1) ?? 0).name : x), curves.map(([quantity]) => quantity), range), data]);
+    hosts.push([host, chart(host, x, () => (hub.units.scales ? hub.units.time(history.columns[0]!.at(-1) ?? 0).name : ''), curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
   const unit = h('span', { class: 'unit' });
@@ -155,7 +155,8 @@ const measured = ((): ((text: string) => number) => {
   };
 })();
 
-function chart(host: HTMLElement, x: () => string, quantities: string[], range?: [number, number]): uPlot {
+/** `x` names the axis; where `unit` is not empty, it follows the last number instead. */
+function chart(host: HTMLElement, x: string, unit: () => string, quantities: string[], range?: [number, number]): uPlot {
   const axis = (): uPlot.Axis => ({
     stroke: () => style('--soft'),
     grid: { stroke: () => style('--line'), width: 1 },
@@ -164,7 +165,7 @@ function chart(host: HTMLElement, x: () => string, quantities: string[], range?:
     gap: 3,
   });
   const below = (ticks: number[]): string[] =>
-    range ? ['0', `${x()} = π`, '2π'] : ticks.map((tick, i) => (i === ticks.length - 1 ? `${x()} ${short(tick, 4)}` : short(tick, 4)));
+    range ? ['0', `${x} = π`, '2π'] : ticks.map((tick, i) => (i < ticks.length - 1 ? short(tick, 4) : unit() ? `${short(tick, 4)} ${unit()}` : `${x} ${short(tick, 4)}`));
   let last: string[] = [];
   return new uPlot({
     width: 200,
