@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .options import RADIUS, SPEED
+from .options import UNITS
 
 
 def explore(
@@ -34,8 +34,20 @@ def explore(
         str | None,
         typer.Option(metavar="DIR", help="Write the page as files for any web server, and end."),
     ] = None,
-    radius_um: RADIUS = None,
-    speed_um_s: SPEED = None,
+    radius_um: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NUMBER",
+            help="Radius of cells in micrometres, to show them in units; with --speed-um-s.",
+            rich_help_panel=UNITS,
+        ),
+    ] = None,
+    speed_um_s: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NUMBER", help="Their speed U in micrometres per second.", rich_help_panel=UNITS
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
     ahead: Annotated[
         bool,
