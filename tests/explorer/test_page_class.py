@@ -16,10 +16,12 @@ NAMELESS = """() => [...document.querySelectorAll('button, select, input')].filt
     const labels = [...(each.labels ?? [])].map(label => label.textContent).join('');
     return !(each.getAttribute('aria-label') || each.textContent.trim() || labels.trim());
 }).map(each => each.outerHTML)"""
-WIDER = """() => [...document.querySelectorAll('#panels *')].filter(each =>
-    each.clientWidth && each.scrollWidth > each.clientWidth + 1 &&
-    getComputedStyle(each).display !== 'inline' && !each.closest('.hidden, select, .explained')
-).map(each => each.outerHTML.slice(0, 90))"""
+BEYOND = """() => {
+    const { right } = document.querySelector('#panels').getBoundingClientRect();
+    return [...document.querySelectorAll('#panels button, #panels input, #panels select, #panels output')]
+        .filter(each => each.getBoundingClientRect().right > right && !each.closest('.explained'))
+        .map(each => each.outerHTML);
+}"""
 
 
 def link(tables):
@@ -142,6 +144,6 @@ def test_the_page_speaks_german_and_keeps_its_cell(page):
     assert page.inner_text("#clock") == "t = 0,0"
     assert page.evaluate(NAMELESS) == []
     unfold(page)
-    assert page.evaluate(WIDER) == []
+    assert page.evaluate(BEYOND) == []
     page.keyboard.press("t")
     assert "Zelle" in page.inner_text("#tour-title")
