@@ -22,6 +22,7 @@ from cyclosis.analysis.diagnostics import QUANTITIES
 from cyclosis.analysis.regimes import REGIMES
 from cyclosis.experiments.catalogue import NAMES, experiment
 from cyclosis.experiments.experiment import OUTCOMES
+from cyclosis.explorer.worksheet import described
 from cyclosis.model.definitions import TABLES, Definition
 from cyclosis.model.definitions import option as option_name
 from cyclosis.model.filaments import TERMS
@@ -439,7 +440,21 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
 }
 """Pages of the reference: title, what is there, names of `cyclosis`, and modules."""
 
+def worksheet() -> str:
+    """Return the page of questions for a class."""
+    out = NOTE + "# A worksheet for a class\n\nTen questions to the [explorer](explorer.md), each with a "
+    out += "cell to try it on. Start `cyclosis explore` first: the\nlinks open the cells there. At another "
+    out += "address, put what follows `#` behind it. The page itself has the questions\nunder *Worksheet*, "
+    out += "also in German. A test tries each question, and checks what is seen.\n"
+    for k, item in enumerate(described(), 1):
+        address = f"http://127.0.0.1:8765/#{item['link']}"
+        out += f"\n## {k}. {item['question']}\n\n{item['attempt']} [Open the cell]({address}).\n\n"
+        out += f"*What is seen:* {item['answer']}\n"
+    return out
+
+
 PAGES = {
+    "worksheet.md": worksheet,
     "settings.md": settings,
     "quantities.md": quantities,
     "symbols.md": symbols,

@@ -61,6 +61,10 @@ def test_links():
     assert json.loads(json.dumps(make.links())) == stored("links.json")
 
 
+def test_colours():
+    assert json.loads(json.dumps(make.colours())) == stored("colours.json")
+
+
 def test_settings_and_presets():
     assert json.loads(json.dumps(make.catalogue())) == stored("catalogue.json")
 

@@ -1,7 +1,6 @@
 """The page in a real browser: what a visitor does, from the first look to the exported file."""
 
 import io
-import time
 
 import av
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from PIL import Image
 
 import cyclosis
-from measure.pages import opened
+from measure.pages import latest, opened, unfold, wait
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 SIZES = {"desktop": (1440, 900), "phone": (390, 844)}
@@ -27,27 +26,10 @@ def page(request, browser, address):
         yield page
 
 
-def latest(page):
-    return page.evaluate("window.cyclosis.latest()")
-
-
-def wait(page, condition, seconds=60):
-    """Wait for a condition on `cell`, the latest that the server told, and `regime`, what the page says."""
-    told = "const cell = window.cyclosis?.latest(), regime = document.querySelector('#regime')?.innerText"
-    end = time.monotonic() + seconds
-    while not page.evaluate(f"(() => {{ {told}; return Boolean(cell && ({condition})); }})()"):
-        assert time.monotonic() < end, f"{condition} did not come true in {seconds} s: {latest(page)}"
-        time.sleep(0.05)
-
-
 def play(page, on=True):
     if (page.get_attribute("#play", "aria-pressed") == "true") != on:
         page.locator("#play").press("Enter")
     wait(page, f"cell.playing === {str(on).lower()}")
-
-
-def unfold(page):
-    page.evaluate("document.querySelectorAll('details').forEach(each => { each.open = true; })")
 
 
 def export(page, kind, target):

@@ -169,3 +169,44 @@ def test_malformed_origins_are_refused_and_no_frame_is_no_file(client):
     answer = client.get("/api/export/run.nc", params={"cell": setup.from_tables(SETUP).link()})
     assert answer.status_code == 400
     assert "let the cell run" in answer.json()["sentence"]
+
+
+def test_units_are_kept_in_the_set_up_and_given_to_the_next_cell():
+    scales = {"radius_um": 500.0, "speed_um_s": 75.0}
+    server = application(ServerLimits(sessions=2), scales)
+    with TestClient(server, base_url=HOST) as client, connect(client) as socket:
+        assert client.get("/api/about").json()["scales"] == scales
+        ask(socket, do="begin", setup=SETUP)
+        assert said(socket, "cell")["setup"]["scales"] == {}
+        ask(socket, do="units", scales=scales)
+        told = said(socket, "cell")
+        assert told["setup"]["scales"] == scales
+        assert "[scales]\nradius_um = 500.0\n" in setup.from_link(told["link"]).toml()
+        ask(socket, do="begin", setup=SETUP, scales=scales | {"radius_um": 100.0})
+        assert said(socket, "cell")["setup"]["scales"]["radius_um"] == 100.0
+        ask(socket, do="begin", link=told["link"], scales=scales | {"radius_um": 100.0})
+        assert said(socket, "cell")["setup"]["scales"] == scales
+        ask(socket, do="units", scales=scales | {"speed_um_s": 0.0})
+        assert "speed_um_s" in said(socket, "refused")["sentence"]
+        ask(socket, do="units")
+        assert said(socket, "cell")["setup"]["scales"] == {}
+
+
+def test_a_visitor_undoes_and_begins_again(client):
+    with connect(client) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        said(socket, "cell")
+        for words in ({"do": "step"}, {"do": "change", "values": {"alpha_p": 0.5}}, {"do": "step"}):
+            ask(socket, **words)
+            told = said(socket, "cell")
+        assert (told["t"], told["undo"]) == (0.2, 1)
+        ask(socket, do="undo")
+        told = said(socket, "cell")
+        assert (told["t"], told["undo"], told["protocol"], told["fresh"]) == (0.1, 0, [], False)
+        ask(socket, do="undo")
+        assert "intervention" in said(socket, "refused")["sentence"]
+        ask(socket, do="change", values={"alpha_p": 0.25})
+        said(socket, "cell")
+        ask(socket, do="again")
+        told = said(socket, "cell")
+        assert (told["t"], told["fresh"], told["parameters"]["alpha_p"]) == (0.0, True, 0.25)

@@ -1,5 +1,6 @@
 """The explorer's page in a browser, and the processes of its server."""
 
+import time
 from contextlib import contextmanager, suppress
 
 import psutil
@@ -20,6 +21,25 @@ def opened(browser, address, size, console=True, scheme=None):
     yield page
     context.close()
     assert not troubles, troubles
+
+
+def latest(page):
+    """Return what the page was told last of its cell."""
+    return page.evaluate("window.cyclosis.latest()")
+
+
+def wait(page, condition, seconds=60):
+    """Wait for a condition on `cell`, the latest that the server told, and `regime`, what the page says."""
+    told = "const cell = window.cyclosis?.latest(), regime = document.querySelector('#regime')?.innerText"
+    end = time.monotonic() + seconds
+    while not page.evaluate(f"(() => {{ {told}; return Boolean(cell && ({condition})); }})()"):
+        assert time.monotonic() < end, f"{condition} did not come true in {seconds} s: {latest(page)}"
+        time.sleep(0.05)
+
+
+def unfold(page):
+    """Open all that is folded."""
+    page.evaluate("document.querySelectorAll('details').forEach(each => { each.open = true; })")
 
 
 def makers(server):

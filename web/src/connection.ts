@@ -1,4 +1,5 @@
 import { isInside, readFrame, readInside, type Ask, type Frame, type Inside, type Preparing, type Said } from './protocol';
+import { say } from './words/say';
 
 export interface Listener {
   /** A session without a cell: begin one. `again` if the server has lost the previous session. */
@@ -29,7 +30,6 @@ const LATE = 2000;
 const SOON = 300;
 const LONGEST = 15_000;
 const OPEN = 1;
-const AWAY = 'The connection to the cell is lost.';
 /** Questions: each is repeated over the next connection until the answer, a message of the same name, arrives. */
 const QUESTIONS = new Set<string>(['hash', 'curves'] satisfies (Ask['do'] & Said['type'])[]);
 /** Requests that the server does not count: questions, and those that need not be repeated. */
@@ -203,7 +203,7 @@ export class Connection {
   private lose(): void {
     // Do not reconnect to a server that has ended the session; do if it had no room for it.
     this.over = this.ended !== '' && this.ready && this.token !== '';
-    const sentence = this.ended || AWAY;
+    const sentence = this.ended || say('page.away');
     if (this.ended) this.token = '';
     this.drop();
     const wait = Math.min(LONGEST, SOON * 2 ** this.attempts) * (0.75 + 0.5 * Math.random());

@@ -11,20 +11,24 @@ import { interventions } from './panels/interventions';
 import { key } from './panels/key';
 import { keys } from './panels/keys';
 import { isDark, keptPalette, look } from './panels/look';
+import { measures } from './panels/measures';
 import { newCell } from './panels/newcell';
 import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
 import { parameters } from './panels/parameters';
+import { projector } from './panels/projector';
 import { presets } from './panels/presets';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
 import { SpeedMeter } from './panels/speed';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
+import { worksheet } from './panels/worksheet';
 import { Waits } from './panels/waits';
 import type { About, Ask, Said } from './protocol';
 import { Scene } from './scene/scene';
 import { Session } from './session';
+import { heard, say, spoken } from './words/say';
 
 declare global {
   interface Window {
@@ -36,8 +40,9 @@ const app = document.getElementById('app')!;
 
 async function start(): Promise<void> {
   document.documentElement.dataset.theme = isDark() ? 'dark' : 'light';
+  document.documentElement.lang = spoken();
   const answer = await fetch('api/about');
-  if (!answer.ok) throw new Error(`the server answered with status ${answer.status}`);
+  if (!answer.ok) throw new Error(say('page.status', { status: answer.status }));
   build((await answer.json()) as About);
 }
 
@@ -45,16 +50,16 @@ function build(about: About): void {
   const { element: toastElement, toast } = toaster();
   const ask = (message: Ask): void => {
     if (message.do === 'change') scene.expect();
-    session.ask(message);
+    session.ask(message.do === 'begin' ? { scales: hub.scales, ...message } : message);
   };
   const hub = new Hub(about, ask, toast);
   let inner: InsideSwitch | null = null;
   const meter = new SpeedMeter();
   const cylinder = h('div', { id: 'cylinder' });
   const map = h('div', { id: 'map' });
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': 'The cell' }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false })));
+  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': say('page.stage') }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false, wheeled: document.documentElement.classList.contains('wheeled') })));
   const header = h('header', {});
-  const panels = h('section', { id: 'panels', 'aria-label': 'Controls' });
+  const panels = h('section', { id: 'panels', 'aria-label': say('page.controls') });
   const charts = traces(hub);
   const handles = now(hub);
   app.replaceChildren(header, stage, handles, charts, panels, toastElement);
@@ -68,33 +73,42 @@ function build(about: About): void {
   inner = insideSwitch(hub, scene, app);
   cylinder.append(inner.element);
   const tools = hand(hub, scene);
+  hub.on('units', (units) => scene.setUnits(units));
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
   scene.onDrawn = (frame) => unseen.drawn(frame);
   const guide = tour({ hub, choose: tools.choose });
+  const screen = projector(() => hub.emit('look', null));
+  handles.querySelector('.transport')!.append(screen.leave);
   const help = keys([
-    [' ', 'play or pause', () => toggle(hub)],
-    ['.', 'one step', () => hub.ask({ do: 'step' })],
-    ['n', 'new seed', () => hub.ask({ do: 'new_seed' })],
-    ['1', 'turn the cell', () => tools.choose('turn')],
-    ['2', 'wound', () => tools.choose('wound')],
-    ['3', 'fragment', () => tools.choose('fragment')],
-    ['4', 'align', () => tools.choose('align')],
-    ['v', 'look inside the cell', () => inner?.toggle()],
-    ['t', 'the tour', () => guide.start()],
-    ['?', 'this list', () => help.open()],
+    [' ', say('keys.play'), () => toggle(hub)],
+    ['.', say('keys.step'), () => hub.ask({ do: 'step' })],
+    ['b', say('keys.again'), () => hub.ask({ do: 'again' })],
+    ['z', say('keys.undo'), () => hub.cell?.undo && hub.ask({ do: 'undo' })],
+    ['n', say('keys.seed'), () => hub.ask({ do: 'new_seed' })],
+    ['1', say('keys.turn'), () => tools.choose('turn')],
+    ['2', say('keys.wound'), () => tools.choose('wound')],
+    ['3', say('keys.fragment'), () => tools.choose('fragment')],
+    ['4', say('keys.align'), () => tools.choose('align')],
+    ['v', say('keys.inside'), () => inner?.toggle()],
+    ['f', say('keys.project'), screen.toggle],
+    ['t', say('keys.tour'), () => { screen.off(); guide.start(); }],
+    ['?', say('keys.list'), () => help.open()],
   ]);
+  const questions = worksheet(hub);
   header.append(
     h('h1', {}, 'cyclosis'),
-    h('p', { class: 'motto' }, 'How streaming in a living cell organises itself'),
-    h('nav', { 'aria-label': 'Help' },
-      h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, 'Tour'),
-      h('button', { id: 'keys', 'aria-label': 'keys', title: 'keys (?)', onclick: () => help.open() }, '?')),
+    h('p', { class: 'motto' }, say('page.motto')),
+    h('nav', { 'aria-label': say('page.help') },
+      screen.enter,
+      h('button', { id: 'questions', onclick: () => questions.open() }, say('worksheet.title')),
+      h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, say('page.tour')),
+      h('button', { id: 'keys', 'aria-label': say('page.keys'), title: `${say('page.keys')} (?)`, onclick: () => help.open() }, '?')),
   );
   panels.append(
     presets(hub), tools.element, parameters(hub), diagram(hub), interventions(hub),
-    share(hub, () => scene.png()), equation(hub), newCell(hub), look(hub, scene),
-    h('p', { class: 'note foot' }, `cyclosis ${about.version}, after Woodhouse & Goldstein, PNAS 110 (2013).`),
+    share(hub, () => scene.png()), equation(hub), newCell(hub), measures(hub), look(hub, scene),
+    h('p', { class: 'note foot' }, say('page.foot', { version: about.version })),
   );
   if (matchMedia('(max-width: 820px)').matches) {
     panels.querySelectorAll<HTMLDetailsElement>('details.panel').forEach((panel) => (panel.open = panel.id === 'panel-presets' || panel.id === 'panel-hand'));
@@ -114,7 +128,7 @@ function build(about: About): void {
       scene.playing = said.playing;
       scene.hurry();
       hub.emit('cell', said);
-    } else if (said.type === 'refused') toast(said.sentence);
+    } else if (said.type === 'refused') toast(heard(said.sentence));
     else if (said.type === 'hash') hub.emit('hash', said);
     else if (said.type === 'curves') hub.emit('curves', said);
   };
@@ -137,7 +151,7 @@ function build(about: About): void {
       unseen.forget();
     },
   }, chosenEngine());
-  app.append(guide.element, help.element, session.banner);
+  app.append(guide.element, help.element, questions.element, session.banner);
   addEventListener('hashchange', () => {
     const link = location.hash.slice(1);
     if (link && link !== hub.link) hub.ask({ do: 'begin', link });
@@ -156,5 +170,5 @@ function build(about: About): void {
 
 start().catch((error: unknown) => {
   const reason = error instanceof Error ? error.message : String(error);
-  app.replaceChildren(h('p', { class: 'loading', role: 'alert' }, `The page could not be opened: ${reason}.`));
+  app.replaceChildren(h('p', { class: 'loading', role: 'alert' }, say('page.failed', { reason })));
 });

@@ -68,6 +68,15 @@ export interface Palette {
   /** Colours of P_z, from -1 to 1: [value, "#rrggbb"], increasing. */
   stops: [number, string][];
   zone: string;
+  /** Colours of the direction of P, where the cell shows that: see `directionOf`. */
+  wheel: Wheel | null;
+}
+
+/** Colours where P points to e_theta, e_z, -e_theta and -e_z, which are mixed as light. */
+export interface Wheel {
+  colours: string[];
+  gamma: number;
+  darkest: number;
 }
 
 /** The computed phase diagram: the share (%) of cyclosis, share[i][j] at alpha_p[i], alpha_u[j]. */
@@ -98,6 +107,23 @@ export interface About {
   presets: Preset[];
   palettes: Palette[];
   diagram: Diagram;
+  worksheet: Question[];
+  /** The scales in whose units cells are shown at first. */
+  scales: Scales | null;
+}
+
+/** A question for a class: what to try, the answer, and the link of its cell. */
+export interface Question {
+  question: string;
+  attempt: string;
+  answer: string;
+  link: string;
+}
+
+/** Radius (µm) and speed (µm/s) of a cell, by which it is shown in units. */
+export interface Scales {
+  radius_um: number;
+  speed_um_s: number;
 }
 
 export type Values = Record<string, number | boolean | string>;
@@ -107,7 +133,7 @@ export type Said =
   | {
       type: 'cell';
       /** The set-up as its tables, every default filled in. */
-      setup: { model: Values; parameters: Values; grid: Values; initial: Values; run: Values };
+      setup: { model: Values; parameters: Values; grid: Values; initial: Values; run: Values; scales: Partial<Scales> };
       /** The meridian of a closed cell. */
       outline: Outline | null;
       /** Parameters that are active now. */
@@ -119,6 +145,8 @@ export type Said =
       /** The whole set-up up to now, for the address after "#". */
       link: string;
       t: number;
+      /** How many interventions can be undone. After one `t` is earlier than before. */
+      undo: number;
       playing: boolean;
       speed: number;
       /** The time requested by a link: until then the cell is catching up, at full speed. */
@@ -162,10 +190,14 @@ export type Ask =
       /** With a link: the later time that was shown, and whether the cell was playing. */
       t?: number;
       playing?: boolean;
+      /** Those of a cell that has none of its own. */
+      scales?: Scales;
     }
+  /** Show the cell in units, or dimensionless. */
+  | { do: 'units'; scales: Scales | null }
   | { do: 'resume'; token: string }
   | { do: 'alive' | 'ping' | 'leave' }
-  | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' }
+  | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' | 'undo' | 'again' }
   | { do: 'speed'; value: number }
   | { do: 'change'; values: Values }
   | { do: 'drug'; name: 'cytochalasin' | 'wash_out' | 'inhibit_myosin' }

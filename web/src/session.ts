@@ -4,6 +4,8 @@ import { lostBanner } from './panels/notices';
 import { firstPreset } from './panels/story';
 import type { Waits } from './panels/waits';
 import type { Ask, Frame, Inside, Said } from './protocol';
+import { decimals } from './panels/scales';
+import { heard, say } from './words/say';
 
 interface Parts {
   hub: Hub;
@@ -46,8 +48,8 @@ export class Session {
       inside: (inside) => parts.inside(inside),
       lost: (sentence, over) => {
         parts.lost();
-        waits.lose(over ? sentence : 'The connection is lost: the cell is paused.');
-        banner.show(sentence, over);
+        waits.lose(over ? heard(sentence) : say('page.lost'));
+        banner.show(heard(sentence), over);
       },
     }, make);
     document.addEventListener('visibilitychange', () => document.hidden || this.connection.check());
@@ -71,15 +73,16 @@ export class Session {
   private begin(again: boolean): void {
     const { hub } = this.parts;
     const { cell, frame } = hub;
+    const { scales } = hub;
     if (cell) {
       const t = Math.max(cell.t, frame?.t ?? 0);
       this.connection.ask({ do: 'begin', link: cell.link, t, playing: cell.playing });
       this.connection.ask({ do: 'speed', value: cell.speed });
-      if (again) hub.toast(`The server no longer had this cell: the page has begun it again, and it is recomputed up to t = ${t.toFixed(1)}.`);
+      if (again) hub.toast(say('page.forgotten', { t: decimals(t, 1) }));
       return;
     }
     const link = location.hash.slice(1);
     const preset = firstPreset(hub.about.presets)?.name;
-    this.connection.ask(link ? { do: 'begin', link } : preset ? { do: 'begin', preset } : { do: 'begin', setup: {} });
+    this.connection.ask(link ? { do: 'begin', link, scales } : preset ? { do: 'begin', preset, scales } : { do: 'begin', setup: {}, scales });
   }
 }

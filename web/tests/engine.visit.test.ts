@@ -92,6 +92,50 @@ describe('a visit to a cell in the browser', () => {
     expect(page.frame.t).toBeGreaterThan(t + 1);
   });
 
+  it('undoes what was done last: state, link and records are those before', () => {
+    const page = small().ask({ do: 'step' }, { do: 'change', values: { alpha_p: 0.5 } }, { do: 'step' });
+    page.until(() => page.frame.t === page.last('cell').t);
+    const { t, link, undo } = page.last('cell');
+    expect(undo).toBe(1);
+    const state = page.frame.P_z.slice();
+    page.ask({ do: 'brush', tool: 'wound', points: [[1, 2]], radius: 0.7 }, { do: 'step' }, { do: 'step' });
+    expect(page.last('cell').undo).toBe(2);
+    page.ask({ do: 'undo' });
+    expect(page.last('cell')).toMatchObject({ t, link, undo: 1, fresh: false });
+    expect(page.frame).toMatchObject({ t, P_z: state });
+    page.ask({ do: 'step' });
+    const on = page.last('cell');
+    page.until(() => page.frame.t === on.t);
+    const other = new Page().ask({ do: 'begin', link: on.link }).until(() => false, 200);
+    expect(other.frame).toMatchObject({ t: on.t, P_z: page.frame.P_z });
+    page.ask({ do: 'undo' }, { do: 'undo' });
+    expect(page.said.filter((said) => said.type === 'refused').length).toBe(1);
+    expect(page.last('cell').protocol).toEqual([]);
+  });
+
+  it('begins again with the same seed and what the visitor has set', () => {
+    const page = small().ask({ do: 'step' }, { do: 'change', values: { alpha_p: 0.25 } }, { do: 'drug', name: 'inhibit_myosin' }, { do: 'step' }, { do: 'again' });
+    expect(page.last('cell')).toMatchObject({ t: 0, undo: 0, fresh: true, protocol: [], parameters: { alpha_p: 0.25, alpha_u: 0, kappa: 0.5 } });
+    expect(page.last('cell').setup.initial).toEqual(small().last('cell').setup.initial);
+  });
+
+  it('keeps units in its set-up, its link and its files, and hands them on to cells without', () => {
+    const scales = { radius_um: 500, speed_um_s: 75 };
+    const page = small().ask({ do: 'step' }, { do: 'units', scales });
+    const { setup, link, t } = page.last('cell');
+    expect(setup.scales).toEqual(scales);
+    expect(t).toBe(0.1);
+    expect(tomlOf(link)).toContain('[scales]\nradius_um = 500\nspeed_um_s = 75\n');
+    page.ask({ do: 'begin', link, scales: { radius_um: 1, speed_um_s: 1 } });
+    expect(page.last('cell').setup.scales).toEqual(scales);
+    page.ask({ do: 'begin', setup: SMALL, scales });
+    expect(page.last('cell').setup.scales).toEqual(scales);
+    page.ask({ do: 'units', scales: { radius_um: -1, speed_um_s: 1 } });
+    expect(page.last('refused').sentence).toContain('radius_um');
+    page.ask({ do: 'units', scales: null });
+    expect(page.last('cell').setup.scales).toEqual({});
+  });
+
   it('acts on the cell, and its link leads to the same state', () => {
     const page = small().ask(
       { do: 'step' },

@@ -2,6 +2,8 @@ import { readFileSync } from 'node:fs';
 import { describe, expect, it, vi } from 'vitest';
 import { History } from '../src/panels/history';
 import { lineOf } from '../src/panels/lines';
+import { upAndDown } from '../src/scene/palette';
+import { golden } from './golden';
 import { borders, cellOf, mix, others } from '../src/panels/plane';
 import { fromSlider, short, STEPS, toSlider } from '../src/panels/scales';
 import { Unseen } from '../src/panels/seen';
@@ -9,7 +11,7 @@ import { SpeedMeter } from '../src/panels/speed';
 import { debounce, throttle } from '../src/panels/throttle';
 import { roomBeyond, roomFor, tickTexts, USUAL } from '../src/panels/ticks';
 import { charted, numbers, pace, seen, title } from '../src/panels/words';
-import type { Regime } from '../src/protocol';
+import type { Palette, Regime } from '../src/protocol';
 
 describe('history', () => {
   it('stays bounded, in order, evenly spread, and keeps both ends', () => {
@@ -33,6 +35,26 @@ describe('history', () => {
     history.clear();
     history.push([0]);
     expect(history.columns[0]).toEqual([0]);
+  });
+});
+
+describe('a history that is cut', () => {
+  it('has the rows up to then, and goes on from there', () => {
+    for (const count of [50, 333]) {
+      const history = new History(1, 100);
+      for (let i = 0; i < count; i += 1) history.push([i]);
+      history.cut(40);
+      expect(history.columns[0]!.every((t) => t <= 40)).toBe(true);
+      const kept = [...history.columns[0]!];
+      for (let i = kept.at(-1)! + 1; i < 400; i += 1) history.push([i]);
+      const times = history.columns[0]!;
+      expect(times[0]).toBe(0);
+      expect(times.at(-1)).toBe(399);
+      expect(times.length).toBeLessThanOrEqual(101);
+      expect(times.every((t, k) => k === 0 || t > times[k - 1]!)).toBe(true);
+      history.cut(1000);
+      expect(history.columns[0]).toEqual(times);
+    }
   });
 });
 
@@ -146,11 +168,8 @@ describe('numbers beside a chart', () => {
 describe('lines of charts', () => {
   const about = ['order', 'mean_P_theta', 'mean_P_z', 'peak_speed', 'power_input', 'P_z', 'u_z'];
 
-  it('never have the colours of up and down, which the cylinder gives a meaning', () => {
+  it('have the colours of up and down where their sign is up or down, and others elsewhere', () => {
     for (const name of about) expect(['--ink', '--flow']).toContain(lineOf(name).colour);
-  });
-
-  it('have these colours beneath them where their sign is up or down', () => {
     expect(about.filter((name) => lineOf(name).upright)).toEqual(['mean_P_z', 'P_z']);
   });
 
@@ -179,6 +198,18 @@ describe('colours of charts', () => {
       expect(contrast(paper, ink)).toBeGreaterThan(10);
       expect(contrast(paper, flow)).toBeGreaterThan(3);
       expect(contrast(ink, flow)).toBeGreaterThan(2.5);
+    }
+  });
+
+  it('of up and down are seen on the page in every palette, and nothing else of it has them', () => {
+    for (const palette of golden<{ palettes: Palette[] }>('colours.json').palettes) {
+      for (const [theme, isDark] of [[light, false], [dark, true]] as const) {
+        for (const colour of upAndDown(palette, isDark)) {
+          expect(contrast(luminance(theme, 'paper'), luminance(`--x: ${colour}`, 'x')), `${palette.name} ${colour}`).toBeGreaterThan(3);
+          const others = theme.replace(/--(up|down): #\w+/g, '');
+          expect(others).not.toContain(colour);
+        }
+      }
     }
   });
 });
@@ -223,7 +254,7 @@ describe('words', () => {
   });
 
   it('explain every chart', () => {
-    for (const chart of ['order', 'mean P', 'peak speed', 'power', 'profile']) expect(charted(chart).length).toBeGreaterThan(0);
+    for (const chart of ['order', 'mean', 'peak', 'power', 'profile']) expect(charted(chart).length).toBeGreaterThan(1);
   });
 });
 
@@ -252,7 +283,7 @@ describe('words about closed cells', () => {
   });
 
   it('explain charts that mean something else there', () => {
-    expect(charted('mean P', false)).not.toEqual(charted('mean P'));
+    expect(charted('mean', false)).not.toEqual(charted('mean'));
     expect(charted('rotation', false).length).toBeGreaterThan(1);
     expect(charted('order', false)).toEqual(charted('order'));
     expect(new Set(['x', 'y', 'z'].map((axis) => lineOf(`mean_vector_${axis}`).dash.join())).size).toBe(3);

@@ -5,7 +5,8 @@ import { Pieces, zeroLines } from '../src/scene/contours';
 import { Contrast, FAINT, GRAIN, PLAIN, REACH, weight } from '../src/scene/contrast';
 import { Fields } from '../src/scene/fields';
 import { Enlarger, flowAt } from '../src/scene/interpolate';
-import { colourAt, paletteTable } from '../src/scene/palette';
+import { golden } from './golden';
+import { colourAt, directionOf, DirectionTable, paletteTable } from '../src/scene/palette';
 import { Particles, TRAIL } from '../src/scene/particles';
 import { POINTS, Streamlines } from '../src/scene/streamlines';
 import { ROWS, Tracers } from '../src/scene/tracers';
@@ -56,6 +57,7 @@ describe('palette', () => {
       [1, '#8000ff'],
     ],
     zone: '#ffffff',
+    wheel: null,
   };
 
   it('is linear between stops and constant beyond', () => {
@@ -70,6 +72,27 @@ describe('palette', () => {
     expect([...table.slice(0, 4)]).toEqual([0, 255, 0, 255]);
     expect([...table.slice(200, 204)]).toEqual([0, 0, 0, 255]);
     expect([...table.slice(400)]).toEqual([128, 0, 255, 255]);
+  });
+});
+
+describe('colours of directions', () => {
+  const { palettes, directions } = golden<{ palettes: Palette[]; directions: number[][] }>('colours.json');
+  const { wheel } = palettes.find(({ name }) => name === 'direction')!;
+  const table = new DirectionTable(wheel!);
+
+  it.each([0, 1, 2])('are those of the figures, part %i', (part) => {
+    for (const [around, along, ...colour] of directions) {
+      expect(directionOf(wheel!, around!, along!)[part]).toBeCloseTo(colour[part]!, 5);
+      const pixel = new Uint8Array(Uint32Array.of(table.of(around!, along!)).buffer);
+      expect(Math.abs(pixel[part]! / 255 - colour[part]!), `${around} ${along}`).toBeLessThan(0.02);
+    }
+  });
+
+  it('go around without a seam', () => {
+    for (const angle of [-Math.PI, 0, Math.PI / 2]) {
+      const [one, other] = [-1e-6, 1e-6].map((off) => directionOf(wheel!, Math.cos(angle + off), Math.sin(angle + off)));
+      one!.forEach((part, c) => expect(part).toBeCloseTo(other![c]!, 4));
+    }
   });
 });
 

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from .options import UNITS
+
 
 def explore(
     host: Annotated[
@@ -32,6 +34,20 @@ def explore(
         str | None,
         typer.Option(metavar="DIR", help="Write the page as files for any web server, and end."),
     ] = None,
+    radius_um: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NUMBER",
+            help="Radius of cells in micrometres, to show them in units; with --speed-um-s.",
+            rich_help_panel=UNITS,
+        ),
+    ] = None,
+    speed_um_s: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NUMBER", help="Their speed U in micrometres per second.", rich_help_panel=UNITS
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
     ahead: Annotated[
         bool,
@@ -41,14 +57,19 @@ def explore(
     """Open the explorer: a living cell in the browser."""
     import webbrowser
 
+    from ..config import check
     from ..explorer.server import LOOPBACK, ServerLimits, serve
     from ..model.devices import require_devices
+    from ..model.units import of_table
 
     require_devices()
+    given = {"radius_um": radius_um, "speed_um_s": speed_um_s}
+    scales = check({"scales": {name: value for name, value in given.items() if value is not None}})["scales"]
+    of_table(scales)  # both or neither
     if static is not None:
         from ..explorer.static import write
 
-        size = write(static)
+        size = write(static, scales=scales or None)
         print(f"{static}: {size / 1e6:.1f} MB for any web server; the page needs no Python", flush=True)
         return
 
@@ -59,4 +80,4 @@ def explore(
             webbrowser.open(address)
 
     hosts = tuple(each.lower() for each in (*LOOPBACK, host, *(name or ())))
-    serve(host, port, ServerLimits(sessions, 60.0 * idle_minutes, hosts, ahead=ahead), ready)
+    serve(host, port, ServerLimits(sessions, 60.0 * idle_minutes, hosts, ahead=ahead), ready, scales or None)

@@ -26,6 +26,7 @@ from .preset import Preset
 from .presets import PRESETS
 from .setup import INTERVAL, KINDS, USUAL_WAVES, WAVES
 from .surfaces import FINEST, Surface, surfaces
+from .worksheet import described
 
 _SHOWN = ("kind", "seed", "filaments_per_square", "magnitude", "stripes")
 
@@ -52,6 +53,8 @@ def about() -> dict[str, Any]:
         ],
         "palettes": [asdict(palette) for palette in PALETTES],
         "diagram": diagram(),
+        "scales": None,
+        "worksheet": described(),
     }
 
 

@@ -29,11 +29,20 @@ class _Ask(BaseModel):
     """The page numbers its requests, to repeat those that never arrived after a connection is lost."""
 
 
+class Scales(BaseModel):
+    """Radius (µm) and speed (µm/s) of a cell, by which results are shown in units."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    radius_um: Annotated[float, Field(allow_inf_nan=False, strict=False)]
+    speed_um_s: Annotated[float, Field(allow_inf_nan=False, strict=False)]
+
+
 class Begin(_Ask):
     """Begin a cell: a preset, the contents of a link, or tables.
 
     A page whose session has been lost also gives the time `t` that it has shown, later than that of its link,
-    and whether the cell was `playing`.
+    and whether the cell was `playing`. `scales` are those of a cell that has none of its own.
     """
 
     do: Literal["begin"]
@@ -42,6 +51,7 @@ class Begin(_Ask):
     setup: dict[str, Any] | None = None
     t: Annotated[float, Field(ge=0.0, le=1e6, allow_inf_nan=False, strict=False)] | None = None
     playing: bool | None = None
+    scales: Scales | None = None
 
 
 class Resume(_Ask):
@@ -60,7 +70,7 @@ class Sign(_Ask):
 class Plain(_Ask):
     """A request without arguments."""
 
-    do: Literal["play", "pause", "step", "tell", "hash", "new_seed", "curves"]
+    do: Literal["play", "pause", "step", "tell", "hash", "new_seed", "curves", "undo", "again"]
 
 
 class Speed(_Ask):
@@ -125,6 +135,13 @@ class Vacuole(_Ask):
     pace: Annotated[float, Field(ge=0.05, le=2.0, strict=False)] = 0.6
 
 
+class Units(_Ask):
+    """Show results in the units of these scales, or dimensionless without; the cell stays as it is."""
+
+    do: Literal["units"]
+    scales: Scales | None = None
+
+
 class Seen(_Ask):
     """A frame has been drawn."""
 
@@ -132,7 +149,7 @@ class Seen(_Ask):
     frame: int
 
 
-Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Vacuole | Seen
+Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Vacuole | Units | Seen
 _ADAPTER: TypeAdapter[Ask] = TypeAdapter(Annotated[Ask, Field(discriminator="do")])
 
 

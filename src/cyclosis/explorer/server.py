@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import os
 import sys
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -104,8 +104,11 @@ class _Guarded:
             await JSONResponse({"sentence": sentence}, 421)(scope, receive, guarded)
 
 
-def application(limits: ServerLimits | None = None) -> FastAPI:
-    """Return the server. Its only state is its sessions and the page."""
+def application(limits: ServerLimits | None = None, scales: Mapping[str, float] | None = None) -> FastAPI:
+    """Return the server. Its only state is its sessions and the page.
+
+    With `scales` (the [scales] table of a configuration) cells are shown in their units at first.
+    """
     allowed = limits or ServerLimits()
     work = Work(allowed.threads)
     visits = Visits(work, allowed.sessions, allowed.idle_seconds, allowed.kept_seconds)
@@ -127,7 +130,7 @@ def application(limits: ServerLimits | None = None) -> FastAPI:
 
     @app.get("/api/about")
     def described() -> JSONResponse:
-        return JSONResponse(about())
+        return JSONResponse(about() | {"scales": scales})
 
     @app.get("/api/engine")
     def needed() -> JSONResponse:
@@ -173,8 +176,16 @@ def application(limits: ServerLimits | None = None) -> FastAPI:
     return app
 
 
-def serve(host: str, port: int, limits: ServerLimits, ready: Callable[[int], Any] | None = None) -> None:
+def serve(
+    host: str,
+    port: int,
+    limits: ServerLimits,
+    ready: Callable[[int], Any] | None = None,
+    scales: Mapping[str, float] | None = None,
+) -> None:
     """Serve until interrupted; at port 0, at any free one. `ready` is called with the port once it answers.
+
+    `scales` are those of `application`.
 
     Raises `InputError` where the page is not built or the port is taken.
     """
@@ -208,7 +219,7 @@ def serve(host: str, port: int, limits: ServerLimits, ready: Callable[[int], Any
                 ready(listening.getsockname()[1])
 
     how = uvicorn.Config(
-        application(limits),
+        application(limits, scales),
         log_level="error",  # a line for every malformed request would let anyone fill the log
         http=connections.Http,
         ws=connections.Socket,

@@ -21,6 +21,7 @@ from ..models.polar_cylinder import stays_cubic
 from .messages import Brush
 from .setup import MOST_FRAMES, SetUp, check_memory
 from .surfaces import surface_of
+from .undo import Before, Undo
 
 RELAXATION = 2.0
 """Time over which the rate of relaxation is measured, dimensionless."""
@@ -53,6 +54,9 @@ class Session:
         self.live = Live(ready.params, ready.grid, ready.state, setup.every, ready.protocol, ready.model)
         self.rates: list[tuple[float, float]] = []
         self.fresh: list[list[float]] = []
+        self.own: dict[str, Any] = {}
+        """Parameters that the visitor has changed, as they are now."""
+        self.done = Undo()
         self.shown: Array | None = None
         """The flow of the last picture, on the grid."""
         self._record()
@@ -90,24 +94,37 @@ class Session:
 
     def change(self, values: Mapping[str, Any]) -> None:
         """Change parameters from now on; several changes at one time are one step."""
-        t, steps = self.live.t, list(self.live.protocol)
+        t, steps, given = self.live.t, list(self.live.protocol), dict(values)
         last = max((k for k, step in enumerate(steps) if step.at == t), default=-1)
         if last >= 0 and isinstance(steps[last], Change) and _everywhere(steps[last]):
             values = dict(getattr(steps[last], "values", ())) | dict(values)
             del steps[last]
-        self._do(change(t, **values), steps)
+        self._do(change(t, **values), steps, ("change", *given))
+        self.own |= given
 
     def drug(self, name: str) -> None:
         """Give a drug, or wash out all drugs."""
         if name in DRUGS:
             self.change(DRUGS[name])
         else:
-            self._do(wash_out(self.live.t), list(self.live.protocol))
+            self._do(wash_out(self.live.t), list(self.live.protocol), ("wash_out",))
+            self.own = {}
 
     def brush(self, stroke: Brush) -> None:
         """Apply a stroke to the patch under it, now."""
         table = stroke.step(self.live.t, lambda z: self.surface.nearest(self.live.grid, z))
-        self._do(step_from_table(table), list(self.live.protocol))
+        self._do(step_from_table(table), list(self.live.protocol), (stroke.tool, stroke.radius))
+
+    def undo(self) -> None:
+        """Return to the state before the visitor's last intervention. Raises `InputError` without one."""
+        self.live, self.own = self.done.back()
+        self.fresh = until(self.live.t, self.fresh)
+        self.rates = []
+
+    def again(self) -> SetUp:
+        """Return the set-up of the cell at t = 0: its first protocol, with the visitor's parameters."""
+        parameters = self.setup.tables["parameters"] | self.own
+        return SetUp(self.setup.tables | {"parameters": parameters}, self.setup.steps)
 
     def special(self) -> dict[str, str]:
         """Return which parameters are on a ramp or vary in space now."""
@@ -133,6 +150,7 @@ class Session:
             "protocol": [{"at": step.at, "text": str(step)} for step in self.live.protocol],
             "link": replace(now, t=max(now.t, end)).link(),
             "t": self.live.t,
+            "undo": len(self.done),
         }
 
     def digest(self) -> str:
@@ -186,13 +204,20 @@ class Session:
         self.rates.append((self.live.t, float(now["rate_of_change"])))
         self.rates = [pair for pair in self.rates if pair[0] >= self.live.t - RELAXATION]
 
-    def _do(self, step: Step, steps: list[Step]) -> None:
+    def _do(self, step: Step, steps: list[Step], gesture: tuple[Any, ...]) -> None:
         earlier = [each for each in steps if each.at <= step.at]
         later = [each for each in steps if each.at > step.at]
         protocol = Protocol(*earlier, step, *later, seed=self.live.protocol.seed)
         check_memory(protocol, self.live.grid)
+        before = Before(self.live.copy(), dict(self.own))
         self.live.do(protocol)
+        self.done.keep(before, gesture)
         self.rates = []
+
+
+def until(t: float, rows: list[list[float]]) -> list[list[float]]:
+    """Return the records up to a time."""
+    return [row for row in rows if row[0] <= t]
 
 
 def _everywhere(step: Step) -> bool:

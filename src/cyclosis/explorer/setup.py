@@ -68,6 +68,14 @@ class SetUp:
         end = number("t", t, 0.0, self.every * MOST_FRAMES, "begin again")
         return replace(self, t=max(self.t, end))
 
+    def scaled(self, scales: Mapping[str, float] | None) -> SetUp:
+        """Return the set-up with the scales in whose units it is shown; without, it is dimensionless.
+
+        Raises `InputError` for scales that no cell has.
+        """
+        table = config.check({"scales": dict(scales or {})})["scales"]
+        return replace(self, tables={**self.tables, "scales": table})
+
     def ready(self) -> config.Setup:
         """Return the arguments of `simulate`. Raises `InputError` for settings that are inconsistent."""
         surface_of(self.grid).check(self.grid)
@@ -101,7 +109,7 @@ class SetUp:
         used = {"kind", *config.USED_BY[kind]} - set(noise)
         filled["initial"] = {name: value for name, value in defaults("initial").items() if name in used}
         filled["initial"] |= initial
-        return filled | {"run": dict(self.tables["run"])}
+        return filled | {name: dict(self.tables[name]) for name in ("run", "scales")}
 
     def link(self) -> str:
         """Return the set-up as a short text for use in an address."""

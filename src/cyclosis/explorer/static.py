@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
 
 from ..model.errors import InputError
@@ -22,11 +23,12 @@ _HEAD = f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}" />
     """
 
 
-def write(folder: str | Path, page: Path = PAGE) -> int:
+def write(folder: str | Path, page: Path = PAGE, scales: Mapping[str, float] | None = None) -> int:
     """Write the files and return how many bytes they are.
 
     The folder must be new or empty. Addresses in the files are relative, so that it can be served under any
-    path. Raises `InputError` for another folder, and if the page was not built.
+    path. With `scales`, a [scales] table, cells are shown in their units at first. Raises `InputError` for
+    another folder, and if the page was not built.
     """
     target = Path(folder)
     if not (page / "index.html").is_file():
@@ -42,7 +44,7 @@ def write(folder: str | Path, page: Path = PAGE) -> int:
             text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {_HEAD}'.rstrip())
         )
         (target / "api").mkdir()
-        for name, found in (("about", about()), ("engine", catalogue(theory=True))):
+        for name, found in (("about", about() | {"scales": scales}), ("engine", catalogue(theory=True))):
             (target / "api" / name).write_text(json.dumps(found, separators=(",", ":"), allow_nan=False))
     except OSError as error:
         reason = error.strerror or str(error)

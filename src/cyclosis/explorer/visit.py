@@ -20,7 +20,7 @@ from . import messages, setup
 from .about import curves, preset
 from .inside import Inside, Seen
 from .line import Line
-from .session import Session
+from .session import Session, until
 from .work import Work
 
 WAITING = 64
@@ -216,6 +216,8 @@ class Visit:
             return
         if isinstance(ask, messages.Speed):
             self.speed = ask.value
+        elif isinstance(ask, messages.Units):
+            cell.setup = cell.setup.scaled(ask.scales.model_dump() if ask.scales else None)
         elif isinstance(ask, messages.Vacuole):
             if ask.on and not cell.surface.straight:
                 raise InputError("vacuole", "a closed cell", "that of the cylinder", "begin a cylinder")
@@ -239,6 +241,13 @@ class Visit:
             given = {name: dict(table) for name, table in cell.setup.tables.items()}
             given["initial"]["seed"] = given["initial"].get("seed", 0) + 1
             await self._open(setup.from_tables(given, cell.setup.steps), self.playing)
+        elif what == "again":
+            await self._open(cell.again(), self.playing, None if cell.own else self.preset)
+        elif what == "undo":
+            cell.undo()
+            self.shown = deque((until(cell.live.t, rows) for rows in self.shown), self.shown.maxlen)
+            self.stale, self.acted, self.sent_at, self.due = True, True, 0.0, clock.monotonic()
+            await self._tell()
         elif what == "tell":
             await self._tell()
         elif what == "step":
@@ -257,15 +266,17 @@ class Visit:
         await self._say(type="curves", **await self.work.slowly(lambda: curves(params, straight)))
 
     async def _begin(self, ask: messages.Begin) -> None:
+        scales = ask.scales.model_dump() if ask.scales else None
         if ask.link is not None:
             begun = setup.from_link(ask.link)
             later = begun.until(ask.t) if ask.t is not None else begun
-            await self._open(later, bool(ask.playing))
+            await self._open(_shown(later, scales), bool(ask.playing))
         elif ask.preset is not None:
             chosen = preset(ask.preset)
-            await self._open(setup.from_tables(chosen.tables, chosen.protocol), self.playing, ask.preset)
+            begun = setup.from_tables(chosen.tables, chosen.protocol)
+            await self._open(_shown(begun, scales), self.playing, ask.preset)
         else:
-            await self._open(setup.from_tables(ask.setup or {}), self.playing)
+            await self._open(_shown(setup.from_tables(ask.setup or {}), scales), self.playing)
 
     async def _open(self, begun: setup.SetUp, playing: bool, name: str | None = None) -> None:
         self.session = await self.work.opened(begun, self._prepare)
@@ -334,3 +345,8 @@ class Visit:
     async def _say(self, **words: Any) -> None:
         if self.line is not None and self.open:
             await self.line.say(json.dumps(words))
+
+
+def _shown(begun: setup.SetUp, scales: dict[str, float] | None) -> setup.SetUp:
+    """Return a set-up with the page's scales, unless it has its own."""
+    return begun if scales is None or begun.tables["scales"] else begun.scaled(scales)

@@ -16,7 +16,7 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 
-from ..display.colours import BLUE, GREEN, ORANGE, PURPLE, Stops, diverging
+from ..display.colours import BLUE, DARKEST, GAMMA, GREEN, ORANGE, PURPLE, WHEEL, Stops, diverging
 from ..model.errors import InputError, choice, closest
 from ..model.grid import Array
 
@@ -41,9 +41,6 @@ DIRECTION = "direction"
 _LISTED = ("berlin", "managua", "vanimo")
 COLOURS = ("purple-green", "blue-orange", *_LISTED, DIRECTION)
 """The colours that there are, the usual ones first; all suit every kind of colour vision."""
-WHEEL = ("#f08a3c", "#b377e3", "#15488f", "#87ec98")
-"""Colours of |P| = 1 where P points to e_theta, e_z, -e_theta and -e_z; opposite ones differ in hue, and
-neighbours that look alike without red or green differ in lightness. See tests/figures/test_looks.py."""
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _COLOURS: ContextVar[str] = ContextVar("colours", default=COLOURS[0])
@@ -115,13 +112,13 @@ _OWN = {
 
 def direction_rgb(P: Array) -> Array:
     """Return the colours (..., 3) of order vectors P (2, ...): their direction as hue, |P| as brightness."""
-    corners = np.array([[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in WHEEL]) ** 2.2
+    corners = np.array([[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in WHEEL]) ** GAMMA
     place = np.mod(np.arctan2(P[1], P[0]) / (0.5 * np.pi), 4.0)
     below = np.floor(place).astype(int) % 4
     share = (place - np.floor(place))[..., None]
     hue = (1 - share) * corners[below] + share * corners[(below + 1) % 4]
     size = np.clip(np.hypot(*P), 0.0, 1.0)[..., None]
-    return np.asarray((hue * (0.01 + 0.99 * size)) ** (1 / 2.2))
+    return np.asarray((hue * (DARKEST + (1 - DARKEST) * size)) ** (1 / GAMMA))
 
 
 def _font(name: str | None) -> dict[str, Any]:

@@ -8,7 +8,8 @@ import { picture } from './picture';
 import { protocolOf, stepOf, type Step } from './protocol';
 import { judged, type Found } from './regimes';
 import { modulo } from './regions';
-import { checkMemory, filled, linkOf, ready, type SetUp } from './setup';
+import { checkMemory, filled, linkOf, ready, scaled, type SetUp } from './setup';
+import { Undo } from './undo';
 
 /** Time over which the rate of relaxation is measured, and the rate below which a state counts as steady. */
 const RELAXATION = 2;
@@ -18,15 +19,27 @@ type Words = Omit<Extract<Said, { type: 'cell' }>, 'type' | 'playing' | 'speed' 
 
 /** A live cell that can be watched, acted on and shared, as `explorer/session.py`. */
 export class Cell {
-  readonly live: Live;
+  live: Live;
   /** Rows of records since the last picture. */
   fresh: number[][] = [];
   private rates: [number, number][] = [];
+  /** Parameters that the visitor has changed, as they are now. */
+  private own: Table = {};
+  private readonly done = new Undo();
 
-  constructor(readonly setUp: SetUp, private readonly about: Catalogue) {
-    const { params, grid, state, every, protocol } = ready(setUp, about);
+  constructor(private given: SetUp, private readonly about: Catalogue) {
+    const { params, grid, state, every, protocol } = ready(given, about);
     this.live = new Live(params, grid, state, every, protocol);
     this.record();
+  }
+
+  get setUp(): SetUp {
+    return this.given;
+  }
+
+  /** Show the cell in the units of these scales, or dimensionless. */
+  measure(scales: Table | null): void {
+    this.given = scaled(this.given, scales, this.about);
   }
 
   /** Try some steps; return whether the next frame is reached. */
@@ -54,13 +67,17 @@ export class Cell {
       values = { ...before.values, ...given };
       steps.splice(last, 1);
     }
-    this.act(stepOf({ at: t, action: 'change', ...values }, this.about), steps);
+    this.act(stepOf({ at: t, action: 'change', ...values }, this.about), `change ${Object.keys(given).join(' ')}`, steps);
+    this.own = { ...this.own, ...given };
   }
 
   drug(name: string): void {
     const values = this.about.drugs[name];
     if (values) this.change(values);
-    else this.act(stepOf({ at: this.live.t, action: 'wash_out' }, this.about));
+    else {
+      this.act(stepOf({ at: this.live.t, action: 'wash_out' }, this.about), 'wash_out');
+      this.own = {};
+    }
   }
 
   brush(stroke: Extract<Ask, { do: 'brush' }>): void {
@@ -75,7 +92,27 @@ export class Cell {
       fragment: { action: 'fragment' },
       align: { action: 'align', angle: stroke.angle ?? Math.PI / 2 },
     }[stroke.tool];
-    this.act(stepOf({ at: this.live.t, where, ...action }, this.about));
+    this.act(stepOf({ at: this.live.t, where, ...action }, this.about), `${stroke.tool} ${stroke.radius}`);
+  }
+
+  /** Whether the visitor has changed parameters. */
+  get changed(): boolean {
+    return Object.keys(this.own).length > 0;
+  }
+
+  /** Return to the state just before the visitor's last intervention. */
+  undo(): void {
+    const { live, own } = this.done.back();
+    this.live = live;
+    this.own = own;
+    this.fresh = this.fresh.filter(([t]) => t! <= live.t);
+    this.rates = [];
+  }
+
+  /** The set-up of the same cell at t = 0: its seed and first protocol, with the visitor's parameters. */
+  again(): SetUp {
+    const { tables, steps } = this.setUp;
+    return { tables: { ...tables, parameters: { ...tables.parameters, ...this.own } }, steps, t: 0 };
   }
 
   /** The set-up that leads to exactly this state. */
@@ -101,6 +138,7 @@ export class Cell {
       link: linkOf({ ...now, t: Math.max(now.t, end) }),
       outline: null,
       t: live.t,
+      undo: this.done.count,
     };
   }
 
@@ -140,12 +178,14 @@ export class Cell {
     this.rates = this.rates.filter(([time]) => time >= live.t - RELAXATION);
   }
 
-  private act(step: Step, steps: Step[] = this.live.protocol.steps): void {
+  private act(step: Step, gesture: string, steps: Step[] = this.live.protocol.steps): void {
     const earlier = steps.filter((each) => each.at <= step.at);
     const later = steps.filter((each) => each.at > step.at);
     const protocol = protocolOf([...earlier, step, ...later], this.live.protocol.seed);
     checkMemory(protocol, this.live.grid, this.about);
+    const before = { live: this.live.copy(), own: this.own };
     this.live.do(protocol);
+    this.done.keep(before, gesture);
     this.rates = [];
   }
 }

@@ -78,6 +78,11 @@ export class Live {
     return true;
   }
 
+  /** A run that starts where this one is. Only one of the two may continue: they share their working memory. */
+  copy(): Live {
+    return Object.assign(Object.create(Live.prototype) as Live, this);
+  }
+
   /** Continue under a protocol with further steps, at the time reached or later. */
   do(protocol: Protocol): void {
     const { t } = this;

@@ -52,6 +52,11 @@ export function setUpOf(given: unknown, steps: unknown, t: unknown, about: Catal
   return { tables, steps: (steps ?? []) as unknown[], t };
 }
 
+/** A set-up with the scales in whose units it is shown; dimensionless without. */
+export function scaled(setUp: SetUp, scales: Table | null, about: Catalogue): SetUp {
+  return { ...setUp, tables: { ...setUp.tables, scales: checked('scales', scales ?? {}, about.scales) } };
+}
+
 /** The set-up of a link. Throws `InputError` for a text that is not a link, or not of a cell. */
 export function setUpOfLink(link: string, about: Catalogue): SetUp {
   const { protocol = [], t = 0, ...tables } = contentsOf(link);
@@ -105,7 +110,7 @@ export function ready(setUp: SetUp, about: Catalogue): Ready {
 }
 
 /** The tables with every default that has a value filled in. */
-export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'scales'> {
+export function filled({ tables }: SetUp, about: Catalogue): Tables {
   const defaults = (items: Setting[]): Table => Object.fromEntries(items.map((item) => [item.name, item.default]));
   const kind = kindOf(tables, about);
   // In an ordered state, noise that is left out is zero, not its default.
@@ -118,6 +123,7 @@ export function filled({ tables }: SetUp, about: Catalogue): Omit<Tables, 'scale
     grid: { ...defaults(about.grid), ...tables.grid },
     initial: { ...initial, ...tables.initial },
     run: { ...tables.run },
+    scales: { ...tables.scales },
   };
 }
 

@@ -3,7 +3,7 @@ import { Cell } from './cell';
 import type { Catalogue, Table } from './definitions';
 import { InputError } from './errors';
 import { instant } from './instants';
-import { setUpOf, setUpOfLink, type SetUp } from './setup';
+import { scaled, setUpOf, setUpOfLink, type SetUp } from './setup';
 
 /** Pictures that may be in transit before the page confirms one as drawn; one more after an action. */
 const UNSEEN = 2;
@@ -135,6 +135,18 @@ export class Visit {
         this.open(setUpOf(tables, cell.setUp.steps, 0, this.about), this.playing);
         return;
       }
+      case 'again':
+        this.open(cell.again(), this.playing, cell.changed ? null : this.preset);
+        return;
+      case 'undo':
+        cell.undo();
+        this.stale = this.acted = true;
+        this.sentAt = -Infinity;
+        this.due = this.around.now();
+        break;
+      case 'units':
+        cell.measure(ask.scales && { ...ask.scales });
+        break;
       case 'hash':
         void this.digest(cell);
         return;
@@ -167,15 +179,17 @@ export class Visit {
 
   private begin(ask: Extract<Ask, { do: 'begin' }>): void {
     const { about } = this;
+    /** With the scales of the page, unless it has its own. */
+    const shown = (setUp: SetUp): SetUp => (ask.scales && !Object.keys(setUp.tables.scales).length ? scaled(setUp, { ...ask.scales }, about) : setUp);
     if (ask.link !== undefined) {
       const setUp = setUpOfLink(ask.link, about);
       const later = ask.t === undefined ? setUp : setUpOf(setUp.tables, setUp.steps, Math.max(setUp.t, ask.t), about);
-      this.open(later, ask.playing ?? false);
+      this.open(shown(later), ask.playing ?? false);
     } else if (ask.preset !== undefined) {
       const chosen = about.presets.find(({ name }) => name === ask.preset);
       if (!chosen) throw new InputError('preset', ask.preset, `one of ${about.presets.map(({ name }) => name).join(', ')}`, 'choose another');
-      this.open(setUpOf(chosen.tables, chosen.protocol, 0, about), this.playing, chosen.name);
-    } else this.open(setUpOf(ask.setup ?? {}, [], 0, about), this.playing);
+      this.open(shown(setUpOf(chosen.tables, chosen.protocol, 0, about)), this.playing, chosen.name);
+    } else this.open(shown(setUpOf(ask.setup ?? {}, [], 0, about)), this.playing);
   }
 
   private open(setUp: SetUp, playing: boolean, preset: string | null = null): void {

@@ -1,8 +1,10 @@
 import type { Curves, Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { mathematics } from './mathematics';
 import { borders, cellOf, mix, others } from './plane';
 import { short } from './scales';
 import { debounce } from './throttle';
+import { said, say } from '../words/say';
 
 const LEFT = 46, BELOW = 30, ABOVE = 6, RIGHT = 8, HEIGHT = 270;
 const DASHES: number[][] = [[], [7, 4], [2, 3], [8, 3, 2, 3], [12, 4]];
@@ -14,12 +16,12 @@ export function diagram(hub: Hub): HTMLElement {
   const xMost = xs.at(-1)!, yMost = ys.at(-1)!;
   const canvas = h('canvas', {
     id: 'diagram', tabindex: 0, role: 'application', 'aria-describedby': 'diagram-here diagram-caption',
-    'aria-label': 'Phase diagram: α_p across, α_u up. Arrow keys choose a point, Enter goes there.',
+    'aria-label': say('diagram.label'),
   });
   const here = h('p', { id: 'diagram-here', class: 'note', 'aria-live': 'polite' });
   const legend = h('ul', { class: 'legend' });
   const note = h('p', { id: 'diagram-caption', class: 'note' });
-  const ends = h('p', { id: 'diagram-ends', class: 'note', hidden: true }, 'This diagram and its lines of theory are those of the cylinder without ends, and do not hold for a closed cell.');
+  const ends = h('p', { id: 'diagram-ends', class: 'note', hidden: true }, say('diagram.ends'));
   let curves: Curves | null = null;
   let cursor: [number, number] | null = null;
   let width = 340;
@@ -27,8 +29,10 @@ export function diagram(hub: Hub): HTMLElement {
   const x = (value: number): number => LEFT + (value / xMost) * (width - LEFT - RIGHT);
   const y = (value: number): number => HEIGHT - BELOW - (value / yMost) * (HEIGHT - BELOW - ABOVE);
   const chance = (a: number, b: number): number => share[cellOf(xs, a)]![cellOf(ys, b)]!;
-  const tell = (a: number, b: number, verb: string): void => {
-    here.textContent = `${verb} αₚ = ${short(a)}, αᵤ = ${short(b)}` + (a <= xMost && b <= yMost && others(parameters, hub.parameters).length === 0 ? `: ${Math.round(chance(a, b))} % of runs became cyclosis` : '');
+  const tell = (a: number, b: number, key: 'diagram.here' | 'diagram.go'): void => {
+    const place = say(key, { a: short(a), b: short(b) });
+    const covered = a <= xMost && b <= yMost && others(parameters, hub.parameters).length === 0;
+    here.textContent = covered ? say('diagram.chance', { place, percent: Math.round(chance(a, b)) }) : place;
   };
 
   const draw = (): void => {
@@ -76,11 +80,11 @@ export function diagram(hub: Hub): HTMLElement {
     }
     pen.font = 'italic 13px Georgia, serif';
     pen.textAlign = 'center';
-    pen.fillText('αₚ  bundling', (LEFT + width - RIGHT) / 2, HEIGHT - 3);
+    pen.fillText(say('diagram.across'), (LEFT + width - RIGHT) / 2, HEIGHT - 3);
     pen.save();
     pen.translate(10, HEIGHT / 2 - 8);
     pen.rotate(-Math.PI / 2);
-    pen.fillText('αᵤ  flow alignment', 0, 0);
+    pen.fillText(say('diagram.up'), 0, 0);
     pen.restore();
   };
 
@@ -116,9 +120,9 @@ export function diagram(hub: Hub): HTMLElement {
     const names = others(parameters, hub.parameters);
     note.classList.toggle('warn', names.length > 0);
     note.textContent = names.length
-      ? `The shades were computed with other values of ${names.join(', ')} and are dimmed. ${caption}`
-      : caption;
-    if (curves && !curves.applies) note.append(' The lines of theory do not apply to this cell.');
+      ? say('diagram.others', { names: names.join(', '), caption: said('diagram', caption) })
+      : said('diagram', caption);
+    if (curves && !curves.applies) note.append(say('diagram.no-theory'));
   };
   const go = (a: number, b: number): void => hub.ask({ do: 'change', values: { alpha_p: round(a), alpha_u: round(b) } });
   // Theory takes the server a while: lines are requested only while they are visible.
@@ -147,7 +151,7 @@ export function diagram(hub: Hub): HTMLElement {
     if (move) {
       const [i, j] = [cellOf(xs, cursor[0]) + move[0]!, cellOf(ys, cursor[1]) + move[1]!];
       cursor = [alpha_p[clamp(i, alpha_p.length)]!, alpha_u[clamp(j, alpha_u.length)]!];
-      tell(cursor[0], cursor[1], 'Go to');
+      tell(cursor[0], cursor[1], 'diagram.go');
       draw();
     } else if (event.key === 'Enter' || event.key === ' ') go(...cursor);
     else return;
@@ -173,7 +177,7 @@ export function diagram(hub: Hub): HTMLElement {
     const all = JSON.stringify(now);
     if (all === drawn) return;
     drawn = all;
-    tell(...present(), 'Here');
+    tell(...present(), 'diagram.here');
     describe();
     draw();
   });
@@ -185,7 +189,7 @@ export function diagram(hub: Hub): HTMLElement {
   });
   hub.on('look', draw);
   new ResizeObserver(draw).observe(canvas);
-  return panel('diagram', 'Phase diagram', true, canvas, here, legend, note, ends);
+  return panel('diagram', say('diagram.title'), true, canvas, here, legend, note, ends);
 }
 
 function mark(pen: CanvasRenderingContext2D, x: number, y: number, fill: string, edge: string): void {
@@ -210,9 +214,9 @@ function sample(dash: number[]): Element {
 function worded(name: string): string {
   return name
     .replace(/\$(.*)\$/, (_, tex: string) => tex.replaceAll('\\alpha', 'α').replace('^{(r)}', '⁽ʳ⁾'))
-    .replace(/^U /, 'one-way order ')
-    .replace(/^C exists/, 'two stripes exist')
-    .replace(/^C /, 'two stripes ');
+    .replace(/^U (.*)/, (_, rest: string) => say('diagram.one-way', { rest }))
+    .replace(/^C exists(.*)/, (_, rest: string) => say('diagram.exist', { rest }))
+    .replace(/^C (.*)/, (_, rest: string) => say('diagram.two', { rest }));
 }
 
 const clamp = (k: number, count: number): number => Math.min(count - 1, Math.max(0, k));

@@ -28,19 +28,3 @@ export function panel(id: string, title: string, open: boolean, ...children: Chi
 export function takesKeys(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest('input, select, textarea, button, summary, a, dialog') !== null;
 }
-
-const TOKEN = /([A-Za-zα-ωΑ-Ω]+)_([A-Za-zα-ω0-9])|([⁽][^⁾]*[⁾])/gu;
-
-/** Mathematics as in the texts of the package, with subscripts typeset. */
-export function mathematics(text: string): HTMLElement {
-  const out = h('span', { class: 'math' });
-  let place = 0;
-  for (const match of text.matchAll(TOKEN)) {
-    out.append(text.slice(place, match.index));
-    if (match[1]) out.append(match[1], h('sub', {}, match[2]));
-    else out.append(match[3] ?? '');
-    place = match.index + match[0].length;
-  }
-  out.append(text.slice(place));
-  return out;
-}

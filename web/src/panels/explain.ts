@@ -1,4 +1,5 @@
 import { h } from './dom';
+import { say } from '../words/say';
 
 const APART = 8;
 let count = 0;
@@ -11,7 +12,7 @@ export function explain(about: string, fill: () => (Node | string)[]): HTMLEleme
   const id = `explained-${(count += 1)}`;
   const box = h('div', { id, class: 'explained', popover: 'auto', role: 'note' });
   const button = h('button', {
-    class: 'explain', type: 'button', popovertarget: id, 'aria-label': `explain ${about}`, 'aria-expanded': 'false',
+    class: 'explain', type: 'button', popovertarget: id, 'aria-label': say('page.explain', { what: about }), 'aria-expanded': 'false',
   }, '?');
   const refill = (): void => box.replaceChildren(...fill());
   if (typeof box.showPopover === 'function') {
@@ -36,7 +37,7 @@ export function explain(about: string, fill: () => (Node | string)[]): HTMLEleme
 }
 
 /** Below the button, or above where there is no room, and within the window. */
-function beside(box: HTMLElement, button: HTMLElement): void {
+export function beside(box: HTMLElement, button: HTMLElement): void {
   const at = button.getBoundingClientRect();
   const { offsetWidth: width, offsetHeight: height } = box;
   const left = Math.max(APART, Math.min(at.left, innerWidth - width - APART));

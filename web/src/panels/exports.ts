@@ -2,29 +2,26 @@ import { madeHere } from '../engine/files';
 import type { Hub } from './hub';
 import { h } from './dom';
 import { made, type Far } from './making';
+import { heard, say } from '../words/say';
 
 type Kind = 'toml' | 'nc' | 'movie';
-const FILES: [Kind, string, string][] = [
-  ['toml', 'cell.toml', 'Settings (TOML)'],
-  ['nc', 'run.nc', 'Data (NetCDF)'],
-  ['movie', 'movie.mp4', 'Movie (MP4)'],
-];
+const FILES: [Kind, string][] = [['toml', 'cell.toml'], ['nc', 'run.nc'], ['movie', 'movie.mp4']];
 
 /** Buttons for files, and below them those being made, with their progress and a way to cancel. */
 export function exportsOf(hub: Hub, png: () => Promise<Blob>): HTMLElement[] {
-  const jobs = h('div', { id: 'making', role: 'group', 'aria-label': 'Files being made', hidden: true });
+  const jobs = h('div', { id: 'making', role: 'group', 'aria-label': say('files.making'), hidden: true });
   const shown = (): void => {
     jobs.hidden = jobs.childElementCount === 0;
   };
-  const image = once('export-png', 'Picture (PNG)', async () => {
+  const image = once('export-png', say('files.png'), async () => {
     try {
       save(await png(), 'cyclosis.png');
     } catch (error) {
       hub.toast(message(error));
     }
   });
-  const files = FILES.map(([kind, file, title]) => once(`export-${kind}`, title, async () => {
-    const job = new Job(kind, title, shown);
+  const files = FILES.map(([kind, file]) => once(`export-${kind}`, say(`files.${kind}`), async () => {
+    const job = new Job(kind, say(`files.${kind}`), shown);
     jobs.querySelector(`#making-${kind}`)?.remove();
     jobs.append(job.element);
     shown();
@@ -46,7 +43,7 @@ export function exportsOf(hub: Hub, png: () => Promise<Blob>): HTMLElement[] {
       else job.fail(message(error));
     }
   }));
-  return [h('div', { class: 'row wrap', role: 'group', 'aria-label': 'Export' }, image, ...files), jobs];
+  return [h('div', { class: 'row wrap', role: 'group', 'aria-label': say('files.label') }, image, ...files), jobs];
 }
 
 /** A file being made. */
@@ -54,19 +51,19 @@ class Job {
   readonly given = new AbortController();
   readonly element: HTMLElement;
   private readonly bar: HTMLProgressElement;
-  private readonly doing = h('span', { class: 'note' }, 'requesting it');
+  private readonly doing = h('span', { class: 'note' }, say('files.asking'));
   private readonly button: HTMLButtonElement;
 
   constructor(kind: Kind, private readonly title: string, private readonly changed: () => void) {
     this.bar = h('progress', { max: 1, 'aria-label': title });
-    this.button = h('button', { id: `cancel-${kind}`, 'aria-label': `cancel ${title}`, onclick: () => this.given.abort() }, 'Cancel');
+    this.button = h('button', { id: `cancel-${kind}`, 'aria-label': say('files.cancel-one', { title }), onclick: () => this.given.abort() }, say('files.cancel'));
     this.element = h('div', { id: `making-${kind}`, class: 'job' }, h('span', {}, title), this.button, this.bar, this.doing);
   }
 
   tell({ share, doing }: Far): void {
     if (share === null) this.bar.removeAttribute('value');
     else this.bar.value = share;
-    this.doing.textContent = share === null ? doing : `${Math.floor(100 * share)} %: ${doing}`;
+    this.doing.textContent = share === null ? heard(doing) : `${Math.floor(100 * share)} %: ${heard(doing)}`;
   }
 
   end(): void {
@@ -79,7 +76,7 @@ class Job {
     this.doing.setAttribute('role', 'alert');
     this.doing.classList.add('warn');
     this.doing.textContent = sentence;
-    const close = h('button', { class: 'quiet', 'aria-label': `dismiss ${this.title}`, onclick: () => this.end() }, '✕');
+    const close = h('button', { class: 'quiet', 'aria-label': say('files.dismiss', { title: this.title }), onclick: () => this.end() }, '✕');
     this.button.replaceWith(close);
   }
 }
@@ -99,18 +96,18 @@ function once(id: string, title: string, act: () => Promise<void>): HTMLButtonEl
 }
 
 function message(error: unknown): string {
-  if (error instanceof TypeError) return 'The server cannot be reached: try again.';
-  return error instanceof Error ? error.message : String(error);
+  if (error instanceof TypeError) return say('files.unreached');
+  return error instanceof Error ? heard(error.message) : String(error);
 }
 
 async function reason(answer: Response): Promise<string> {
   try {
     const { sentence } = (await answer.json()) as { sentence?: unknown };
-    if (typeof sentence === 'string') return sentence;
+    if (typeof sentence === 'string') return heard(sentence);
   } catch {
     // Not an answer of this server: reported below.
   }
-  return `The file could not be made (status ${answer.status}).`;
+  return say('files.status', { status: answer.status });
 }
 
 function save(blob: Blob, name: string): void {

@@ -36,6 +36,17 @@ export class History {
     this.version += 1;
   }
 
+  /** Drop the rows after a time. */
+  cut(t: number): void {
+    const times = this.columns[0]!;
+    if (!(times.at(-1)! > t)) return;
+    const left = times.findIndex((time) => time > t);
+    for (const column of this.columns) column.length = left;
+    this.loose = false;
+    this.seen = 1 + (left - 1) * this.stride;
+    this.version += 1;
+  }
+
   clear(): void {
     for (const column of this.columns) column.length = 0;
     this.stride = 1;

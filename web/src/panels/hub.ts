@@ -1,4 +1,5 @@
-import type { About, Ask, Frame, Model, Said, Values } from '../protocol';
+import type { About, Ask, Frame, Model, Said, Scales, Values } from '../protocol';
+import { scalesIn, Units } from './units';
 
 export type Cell = Extract<Said, { type: 'cell' }>;
 export type Curves = Extract<Said, { type: 'curves' }>;
@@ -9,12 +10,15 @@ interface Events {
   curves: Curves;
   hash: Extract<Said, { type: 'hash' }>;
   look: null;
+  /** The cell is shown in other units than before; comes before `cell`. */
+  units: Units;
 }
 
 /** Shared by all panels: the definitions, the newest cell and frame, and a way to send requests. */
 export class Hub {
   cell: Cell | null = null;
   frame: Frame | null = null;
+  units = new Units(null);
   private readonly listeners: { [K in keyof Events]?: ((value: Events[K]) => void)[] } = {};
 
   private readonly waiting: (() => void)[] = [];
@@ -24,6 +28,11 @@ export class Hub {
     readonly ask: (message: Ask) => void,
     readonly toast: (sentence: string) => void,
   ) {}
+
+  /** The scales that another cell is given. */
+  get scales(): Scales | undefined {
+    return (this.cell ? this.units.scales : this.about.scales) ?? undefined;
+  }
 
   /** Update the cell, for its address: a running cell is described only on request. */
   async refresh(): Promise<void> {
@@ -45,6 +54,8 @@ export class Hub {
     if (name === 'cell') {
       this.cell = value as Cell;
       for (const done of this.waiting.splice(0)) done();
+      const scales = scalesIn(this.cell.setup.scales);
+      if (JSON.stringify(scales) !== JSON.stringify(this.units.scales)) this.emit('units', (this.units = new Units(scales)));
     }
     if (name === 'frame') this.frame = value as Frame;
     for (const act of this.listeners[name] ?? []) act(value);

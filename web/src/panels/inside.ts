@@ -1,6 +1,7 @@
 import type { Hub } from './hub';
 import { h } from './dom';
 import { keep, kept } from './kept';
+import { say } from '../words/say';
 
 export interface InsideTarget {
   /** Whether the cell can be opened at all: the map alone cannot. */
@@ -26,9 +27,9 @@ export function insideSwitch(hub: Hub, target: InsideTarget, root: HTMLElement, 
   /** Whether the present cell is one to look into: a closed cell is not. */
   let possible = target.opens;
   const button = h('button', {
-    id: 'inside', type: 'button', title: 'open the cell and show how the fluid in its vacuole flows (v)', hidden: !target.opens,
+    id: 'inside', type: 'button', title: say('inside.tip'), hidden: !target.opens,
     onclick: () => toggle(),
-  }, 'Look inside');
+  }, say('inside.button'));
   const ask = (): void => {
     asked = now();
     hub.ask(on ? { do: 'vacuole', on, ...target.wanted } : { do: 'vacuole', on });

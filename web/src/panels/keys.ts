@@ -1,5 +1,7 @@
 import { h, takesKeys } from './dom';
 import { keep, kept } from './kept';
+import { explained, glossary, symbols, titleOf } from './prose';
+import { say } from '../words/say';
 
 export interface Keys {
   element: HTMLDialogElement;
@@ -9,14 +11,15 @@ export interface Keys {
 /** Keys for frequent actions, and a list of them. */
 export function keys(bindings: [key: string, text: string, act: () => void][]): Keys {
   const on = h('input', { type: 'checkbox', id: 'keys-on', checked: kept('keys') !== 'off', onchange: () => keep('keys', on.checked ? 'on' : 'off') });
-  const close = h('button', { class: 'main', onclick: () => dialog.close(), autofocus: true }, 'Close');
+  const close = h('button', { class: 'main', onclick: () => dialog.close(), autofocus: true }, say('keys.close'));
   const dialog = h(
     'dialog', { id: 'help', 'aria-labelledby': 'help-title' },
-    h('h2', { id: 'help-title' }, 'Keys'),
-    h('dl', {}, ...bindings.flatMap(([key, text]) => [h('dt', {}, h('kbd', {}, key === ' ' ? 'Space' : key)), h('dd', {}, text)]),
-      h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, 'next control; in the phase diagram arrow keys choose a point and Enter goes there')),
-    h('p', {}, h('label', {}, on, ' these keys work everywhere on the page')),
-    close,
+    h('div', { class: 'row spread' }, h('h2', { id: 'help-title' }, say('keys.title')), close),
+    h('dl', {}, ...bindings.flatMap(([key, text]) => [h('dt', {}, h('kbd', {}, key === ' ' ? say('keys.space') : key)), h('dd', {}, text)]),
+      h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, say('keys.tab'))),
+    h('p', {}, h('label', {}, on, say('keys.everywhere'))),
+    h('h2', {}, say('glossary.title')),
+    h('dl', { class: 'glossary' }, ...glossary().flatMap((name) => [h('dt', {}, titleOf(name)), h('dd', {}, ...symbols(explained(name)))])),
   );
   document.addEventListener('keydown', (event) => {
     if (!on.checked || event.ctrlKey || event.metaKey || event.altKey || dialog.open || (event.repeat && event.key !== '.')) return;

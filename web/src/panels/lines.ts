@@ -1,10 +1,10 @@
-// How each quantity is drawn over time. Colour shows direction, as on the cylinder, and nothing else.
+// How each quantity is drawn over time. Purple and green, or their like, mean up and down, as on the cylinder.
 
 export interface Line {
   /** The name of a colour of the page. */
   colour: '--ink' | '--flow';
   dash: number[];
-  /** Whether its sign means up or down: the area to zero has the colours of the cylinder. */
+  /** Whether its sign means up or down: the line, and the area to zero, have the colours of the cylinder. */
   upright: boolean;
 }
 

@@ -1,5 +1,7 @@
 // Files that the server makes: it reports their progress, and stops when the page gives up.
 
+import { say } from '../words/say';
+
 /** The progress of a file: the share that is done, 0 to 1, or null while that is unknown. */
 export interface Far {
   share: number | null;
@@ -27,7 +29,7 @@ export async function made(answer: Response, tell: (far: Far) => void): Promise<
     for (;;) {
       const end = held.indexOf(10);
       if (end < 0) {
-        if (!(await more())) throw new Error('The connection was lost, and the file with it: try again.');
+        if (!(await more())) throw new Error(say('files.lost'));
         continue;
       }
       const words = JSON.parse(new TextDecoder().decode(held.subarray(0, end))) as Partial<Far> & { bytes?: number; sentence?: string };
@@ -44,9 +46,9 @@ export async function made(answer: Response, tell: (far: Far) => void): Promise<
     const parts: Uint8Array<ArrayBuffer>[] = [held];
     let got = held.length;
     while (got < size) {
-      tell({ share: 1, doing: `fetching the file, ${Math.floor((100 * got) / size)} %` });
+      tell({ share: 1, doing: say('files.fetching', { percent: Math.floor((100 * got) / size) }) });
       held = new Uint8Array(0);
-      if (!(await more())) throw new Error('The connection was lost, and the file with it: try again.');
+      if (!(await more())) throw new Error(say('files.lost'));
       parts.push(held);
       got += held.length;
     }
@@ -58,7 +60,7 @@ export async function made(answer: Response, tell: (far: Far) => void): Promise<
 function soon<T>(reading: Promise<T>): Promise<T> {
   let timer: ReturnType<typeof setTimeout>;
   const late = new Promise<never>((_, fail) => {
-    timer = setTimeout(() => fail(new Error('The server has stopped sending: try again.')), STALLED);
+    timer = setTimeout(() => fail(new Error(say('files.stalled'))), STALLED);
   });
   return Promise.race([reading, late]).finally(() => clearTimeout(timer));
 }

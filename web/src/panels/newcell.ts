@@ -1,17 +1,20 @@
 import type { Definition, Shape, Values } from '../protocol';
 import type { Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { prose, symbols } from './prose';
+import { mathematics } from './mathematics';
+import { isKey, said, say } from '../words/say';
 
 type Table = 'model' | 'grid' | 'initial' | 'run';
 /** A new cell, with the current parameters. */
 export function newCell(hub: Hub): HTMLElement {
   const { about } = hub;
-  const shape = h('select', { id: 'setting-shape', onchange: () => adapt() }, ...about.shapes.map(({ name }) => h('option', { value: name }, SHAPES[name] ?? name)));
+  const shape = h('select', { id: 'setting-shape', onchange: () => adapt() }, ...about.shapes.map(({ name }) => h('option', { value: name }, named(name))));
   const chosen = (): Shape => about.shapes.find(({ name }) => name === shape.value) ?? about.shapes[0]!;
   // Settings of one name mean other things for other shapes.
   const grids = about.shapes.map((each, k) => ({
     shape: each,
-    entries: each.settings.map((definition) => entry('grid', definition, k === 0 ? '' : `${each.name}-`)),
+    entries: each.settings.map((definition) => entry('grid', definition, k === 0 ? '' : `${each.name}-`, `${each.name}.`)),
   }));
   const initial = about.initial.map((definition) => entry('initial', definition));
   const interval = entry('run', about.interval);
@@ -56,22 +59,21 @@ export function newCell(hub: Hub): HTMLElement {
   };
   adapt();
   return panel(
-    'new-cell', 'New cell', false,
+    'new-cell', say('new.title'), false,
     h('form', { onsubmit: begin, novalidate: true },
-      h('div', { class: 'setting' }, h('label', { for: 'setting-shape' }, h('small', {}, 'shape of the cell')), shape),
+      h('div', { class: 'setting' }, h('label', { for: 'setting-shape' }, h('small', {}, say('new.shape'))), shape),
       ...grids.flatMap(({ entries }) => entries.map((e) => e.element)),
       ...initial.map((e) => e.element), interval.element,
-      h('p', { class: 'note' }, `At most ${about.limits.points} grid points in each direction, or as many altogether. Begins at t = 0 with the current parameters.`),
-      h('button', { id: 'begin', class: 'main', type: 'submit' }, 'Begin')),
+      h('p', { class: 'note' }, ...prose(say('new.note', { points: about.limits.points }))),
+      h('button', { id: 'begin', class: 'main', type: 'submit' }, say('new.begin'))),
   );
 }
 
-const SHAPES: Record<string, string> = {
-  cylinder: 'cylinder, without ends',
-  capsule: 'capsule, with rounded ends',
-  spheroid: 'spheroid, pointed or flat',
-  sphere: 'sphere, a droplet',
-};
+/** What a choice is called in the page. */
+function named(choice: string): string {
+  const key = `new.${choice}`;
+  return isKey(key) ? say(key) : choice;
+}
 
 /** The name of the shape that a [grid] table describes. */
 export function shapeOf(grid: Values): string {
@@ -85,12 +87,13 @@ interface Entry {
   element: HTMLElement;
 }
 
-function entry(table: Table, definition: Definition, prefix = ''): Entry {
-  const { name, symbol, meaning, allowed } = definition;
+function entry(table: Table, definition: Definition, prefix = '', place = ''): Entry {
+  const { name, symbol, allowed } = definition;
+  const meaning = said(`setting.${place}${name}`, definition.meaning);
   const id = `setting-${prefix}${name}`;
   const input = allowed.length
-    ? h('select', { id }, ...allowed.map((choice) => h('option', { value: choice, selected: choice === definition.default }, String(choice))))
+    ? h('select', { id }, ...allowed.map((choice) => h('option', { value: choice, selected: choice === definition.default }, named(String(choice)))))
     : h('input', { id, type: 'number', step: 'any', min: definition.minimum, max: definition.maximum, value: definition.default ?? '' });
-  const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning));
+  const label = h('label', { for: id, title: meaning }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, ...symbols(meaning)));
   return { table, definition, input, element: h('div', { class: 'setting' }, label, input) };
 }

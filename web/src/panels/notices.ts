@@ -1,4 +1,5 @@
 import { h } from './dom';
+import { say } from '../words/say';
 
 /** One sentence at a time, when something was refused or failed. */
 export function toaster(): { element: HTMLElement; toast(sentence: string): void } {
@@ -8,7 +9,7 @@ export function toaster(): { element: HTMLElement; toast(sentence: string): void
     element.classList.remove('shown');
     text.textContent = '';
   };
-  const element = h('div', { id: 'toast', role: 'alert' }, text, h('button', { class: 'quiet', 'aria-label': 'dismiss', onclick: hide }, '✕'));
+  const element = h('div', { id: 'toast', role: 'alert' }, text, h('button', { class: 'quiet', 'aria-label': say('page.dismiss'), onclick: hide }, '✕'));
   const toast = (sentence: string): void => {
     text.textContent = sentence;
     element.classList.add('shown');
@@ -25,15 +26,15 @@ export function lostBanner(reconnect: () => void): {
   hide(): void;
 } {
   const text = h('span');
-  const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect });
+  const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect }, say('page.try-now'));
   const element = h('div', { id: 'lost', role: 'alert', hidden: true }, text, ' ', button);
   return {
     element,
     show: (sentence, over) => {
-      const words = over ? sentence : `${sentence} Reconnecting…`;
+      const words = over ? sentence : say('page.reconnecting', { sentence });
       // Announced once, however often it is tried.
       if (text.textContent !== words) text.textContent = words;
-      button.textContent = over ? 'Continue' : 'Try now';
+      button.textContent = say(over ? 'page.continue' : 'page.try-now');
       element.hidden = false;
     },
     hide: () => {

@@ -1,10 +1,13 @@
 import type { Definition, Values } from '../protocol';
 import type { Cell, Hub } from './hub';
-import { h, mathematics, panel } from './dom';
+import { h, panel } from './dom';
+import { mathematics } from './mathematics';
 import { explain } from './explain';
 import { plainly } from './plain';
+import { prose, symbols } from './prose';
 import { fromSlider, STEPS, toSlider } from './scales';
 import { throttle } from './throttle';
+import { said, say } from '../words/say';
 
 /** Sliders and fields for everything that can be changed in a living cell. */
 export function parameters(hub: Hub): HTMLElement {
@@ -17,9 +20,9 @@ export function parameters(hub: Hub): HTMLElement {
     pending[name] = value;
     flush(null);
   };
-  const rows = hub.about.parameters.map((definition) => new Row(definition, change));
+  const rows = hub.about.parameters.map((definition) => new Row(definition, hub, change));
   hub.on('cell', (cell) => rows.forEach((row) => row.show(cell, hub.modelOf(cell).unused)));
-  return panel('parameters', 'Parameters', true, ...rows.map((row) => row.element));
+  return panel('parameters', say('parameters.title'), true, ...rows.map((row) => row.element));
 }
 
 class Row {
@@ -34,9 +37,11 @@ class Row {
 
   constructor(
     private readonly definition: Definition,
+    private readonly hub: Hub,
     private readonly change: (name: string, value: number | boolean) => void,
   ) {
-    const { name, symbol, meaning, kind, usual } = definition;
+    const { name, symbol, kind, usual } = definition;
+    const meaning = said(`setting.${name}`, definition.meaning);
     const flag = kind === 'flag';
     const id = `parameter-${name}`;
     this.field = flag
@@ -54,11 +59,11 @@ class Row {
       });
     }
     this.reset = h('button', {
-      id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': `reset ${name}`, onclick: () => this.set(this.own),
+      id: `reset-${name}`, class: 'quiet', disabled: true, 'aria-label': say('parameters.reset', { name }), onclick: () => this.set(this.own),
     }, '↺');
-    const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, meaning.replaceAll('_theta', '_θ')));
+    const label = h('label', { for: id }, symbol === '-' ? '' : mathematics(symbol), ' ', h('small', {}, ...symbols(meaning)));
     const words = plainly(name);
-    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, words)]));
+    const head = h('div', { class: 'head' }, label, words && explain(name, () => [h('p', {}, ...prose(words)), ...this.physical()]));
     this.element = h('div', { class: `parameter ${flag ? 'flag' : ''}`, 'data-name': name }, head, this.chip, this.slider, this.field, this.reset);
   }
 
@@ -69,9 +74,16 @@ class Row {
     this.own = (cell.setup.parameters[name] ?? fallback) as number | boolean;
     const special = cell.special[name];
     this.chip.hidden = !special;
-    this.chip.textContent = special === 'ramp' ? 'on a ramp' : 'varies in space';
+    this.chip.textContent = say(special === 'ramp' ? 'parameters.ramp' : 'parameters.field');
     if (Date.now() < this.held && !cell.fresh) return;
     this.display(value as number | boolean);
+  }
+
+  /** The value in the units of the cell. */
+  private physical(): Node[] {
+    const value = this.hub.parameters[this.definition.name];
+    const text = typeof value === 'number' ? this.hub.units.parameter(this.definition.name, value) : '';
+    return text ? [h('p', { class: 'note' }, say('units.here', { value: text }))] : [];
   }
 
   private display(value: number | boolean | undefined, slider = true): void {
@@ -84,7 +96,7 @@ class Row {
     const same = value === this.own;
     this.reset.disabled = same;
     this.element.classList.toggle('changed', !same);
-    this.reset.title = `back to ${String(this.own)}`;
+    this.reset.title = say('parameters.back', { value: String(this.own) });
   }
 
   /** A number being typed stays as it is until it is entered or left. */

@@ -1,3 +1,5 @@
+import { say } from '../words/say';
+
 /** Steps of a slider over a range of values. */
 export const STEPS = 1000;
 
@@ -33,8 +35,18 @@ export function short(value: number, digits = 3): string {
   if (!Number.isFinite(value)) return '–';
   if (value === 0) return '0';
   const size = Math.abs(value);
-  if (size >= 1e-3 && size < 1e5) return String(Number(value.toPrecision(digits))).replace('-', '−');
+  if (size >= 1e-3 && size < 1e5) return written(String(Number(value.toPrecision(digits))));
   const [factor, power] = value.toExponential(Math.max(0, digits - 1)).split('e') as [string, string];
   const raised = [...String(Math.abs(Number(power)))].map((digit) => RAISED[Number(digit)]).join('');
-  return `${String(Number(factor)).replace('-', '−')}·10${Number(power) < 0 ? '⁻' : ''}${raised}`;
+  return `${written(String(Number(factor)))}·10${Number(power) < 0 ? '⁻' : ''}${raised}`;
+}
+
+/** A number with so many decimals, for reading. */
+export function decimals(value: number, count: number): string {
+  return written(value.toFixed(count));
+}
+
+/** A printed number with a true minus and the decimal mark of the language. */
+function written(text: string): string {
+  return text.replace('-', '−').replace('.', say('number.decimal'));
 }

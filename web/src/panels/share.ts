@@ -2,6 +2,7 @@ import type { Hub } from './hub';
 import { h, panel } from './dom';
 import { exportsOf } from './exports';
 import { throttle } from './throttle';
+import { say } from '../words/say';
 
 /** The cell as an address, a fingerprint and files. */
 export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
@@ -13,10 +14,10 @@ export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
   const copy = h('button', { id: 'share', class: 'main', onclick: async () => {
     await hub.refresh();
     writeAddress.flush();
-    copied.textContent = (await copyText(location.href)) ? 'Copied. It opens exactly this cell.' : 'Copy the address from the bar above.';
-  } }, 'Copy address');
+    copied.textContent = say((await copyText(location.href)) ? 'share.copied' : 'share.by-hand');
+  } }, say('share.copy'));
   const hash = h('output', { id: 'hash', class: 'hash' });
-  const askHash = h('button', { id: 'ask-hash', onclick: () => hub.ask({ do: 'hash' }), title: 'SHA-256 of the exact state: equal cells have equal fingerprints' }, 'Fingerprint');
+  const askHash = h('button', { id: 'ask-hash', onclick: () => hub.ask({ do: 'hash' }), title: say('share.fingerprint-tip') }, say('share.fingerprint'));
   hub.on('hash', ({ t, sha256 }) => {
     hash.textContent = `t = ${t}: ${sha256}`;
     hash.dataset.sha256 = sha256;
@@ -28,7 +29,7 @@ export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
   });
 
   return panel(
-    'share', 'Share and keep', true,
+    'share', say('share.title'), true,
     h('div', { class: 'row wrap' }, copy, askHash),
     copied, hash,
     ...exportsOf(hub, png),

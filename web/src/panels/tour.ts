@@ -1,6 +1,10 @@
-import { h, mathematics } from './dom';
+import { h } from './dom';
+import { prose } from './prose';
 import { place } from './place';
 import { STORY, type Stage } from './story';
+import { isKey, say, type Key } from '../words/say';
+import type { Hub } from './hub';
+import { keptPalette } from './look';
 
 export interface Tour {
   element: HTMLElement;
@@ -18,9 +22,9 @@ export function tour(stage: Stage): Tour {
   const title = h('h2', { id: 'tour-title', tabindex: -1 });
   const text = h('p', { id: 'tour-text' });
   const count = h('span', { class: 'note' });
-  const back = h('button', { id: 'tour-back', onclick: () => go(at - 1) }, 'Back');
-  const next = h('button', { id: 'tour-next', class: 'main', onclick: () => go(at + 1) }, 'Next');
-  const leaveButton = h('button', { id: 'tour-leave', class: 'quiet', 'aria-label': 'leave the tour', title: 'leave (Escape)', onclick: () => leave() }, '✕');
+  const back = h('button', { id: 'tour-back', onclick: () => go(at - 1) }, say('tour.back'));
+  const next = h('button', { id: 'tour-next', class: 'main', onclick: () => go(at + 1) }, say('tour.next'));
+  const leaveButton = h('button', { id: 'tour-leave', class: 'quiet', 'aria-label': say('tour.leave'), title: say('tour.leave-tip'), onclick: () => leave() }, '✕');
   const element = h(
     'section', { id: 'tour-card', 'aria-labelledby': 'tour-title', hidden: true },
     h('div', { class: 'row spread' }, title, count, leaveButton), text, h('div', { class: 'row' }, back, next),
@@ -83,12 +87,12 @@ export function tour(stage: Stage): Tour {
       marked.classList.add('marked');
       resized.observe(marked);
     }
-    count.textContent = `${k + 1} of ${STORY.length}`;
-    title.textContent = step.title;
-    text.replaceChildren(...step.text.split(/(α_[pu])/).map((piece) => (piece.startsWith('α_') ? mathematics(piece) : piece)));
+    count.textContent = say('tour.count', { k: k + 1, all: STORY.length });
+    title.textContent = say(`tour.${k + 1}` as Key);
+    text.replaceChildren(...prose(say(`tour.${k + 1}-text` as Key, { colours: coloured(stage.hub) })));
     text.scrollTop = 0;
     back.disabled = k === 0;
-    next.textContent = k === STORY.length - 1 ? 'Done' : 'Next';
+    next.textContent = say(k === STORY.length - 1 ? 'tour.done' : 'tour.next');
     element.hidden = false;
     title.focus({ preventScroll: true });
     settle();
@@ -102,4 +106,10 @@ export function tour(stage: Stage): Tour {
     go(0);
   };
   return { element, start };
+}
+
+/** What the colours mean, in the palette in use. */
+function coloured(hub: Hub): string {
+  const key = `tour.${keptPalette(hub.about.palettes).name}`;
+  return isKey(key) ? say(key) : '';
 }

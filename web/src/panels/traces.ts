@@ -1,30 +1,36 @@
 import uPlot from 'uplot';
 import type { Trace } from '../protocol';
 import type { Hub } from './hub';
-import { h, mathematics } from './dom';
+import { h } from './dom';
+import { mathematics } from './mathematics';
 import { explain } from './explain';
 import { History } from './history';
 import { lineOf } from './lines';
+import { prose } from './prose';
+import { short } from './scales';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
-import { charted } from './words';
+import { charted, type Chart } from './words';
+import { isKey, said, say } from '../words/say';
 
-const SHARED: [RegExp, string][] = [
-  [/^mean_(P|vector)/, 'mean P'],
+const SHARED: [RegExp, Chart][] = [
+  [/^mean_(P|vector)/, 'mean'],
   [/^circulation/, 'rotation'],
   [/power|dissipation/, 'power'],
+  [/^peak_speed/, 'peak'],
+  [/^order/, 'order'],
 ];
 const FONT = '11px system-ui, sans-serif';
 /** Opacity of the area between a curve and zero, as the last two digits of a colour. */
 const WASH = '40';
 
 /** Which columns share a chart: components of one vector, and all powers. */
-export function grouped(traces: Trace[]): { title: string; columns: number[] }[] {
+export function grouped(traces: Trace[]): { chart: string; columns: number[] }[] {
   const groups = new Map<string, number[]>();
   traces.forEach(({ name }, k) => {
-    const title = SHARED.find(([pattern]) => pattern.test(name))?.[1] ?? name.replaceAll('_', ' ');
-    groups.set(title, [...(groups.get(title) ?? []), k + 1]);
+    const chart = SHARED.find(([pattern]) => pattern.test(name))?.[1] ?? name;
+    groups.set(chart, [...(groups.get(chart) ?? []), k + 1]);
   });
-  return [...groups].map(([title, columns]) => ({ title, columns }));
+  return [...groups].map(([chart, columns]) => ({ chart, columns }));
 }
 
 /** A symbol without the brackets of its mean, which the title mentions. */
@@ -38,30 +44,47 @@ export function traces(hub: Hub): HTMLElement {
   let { model } = hub;
   let history = new History(model.traces.length + 1);
   let hosts: [HTMLElement, uPlot, () => uPlot.AlignedData][] = [];
-  const add = (title: string, meanings: string[], x: string, curves: Curve[], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
+  const add = (name: string, meanings: string[], x: string, curves: Curve[], data: () => uPlot.AlignedData, range?: [number, number]): HTMLElement => {
     const host = h('div', { class: 'plot' });
+    const key = `charts.${name}`;
+    const title = isKey(key) ? say(key) : name.replaceAll('_', ' ');
     const keys = curves.filter(([, symbol]) => symbol).map(([quantity, symbol]) => {
-      const { colour, dash } = lineOf(quantity);
+      const { colour, dash, upright } = lineOf(quantity);
       const style = dash.length === 0 ? 'solid' : dash[0]! < 3 ? 'dotted' : 'dashed';
-      return h('span', { class: 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
+      return h('span', { class: upright ? 'key upright' : 'key', style: `--line: var(${colour}); --dash: ${style}` }, mathematics(symbol));
     });
     const words = explain(title, () => [
-      ...charted(title, hub.model.straight).map((sentence) => h('p', {}, sentence)),
-      h('p', { class: 'note' }, `As the package records it: ${meanings.join('; ')}.`),
+      ...charted(name, hub.model.straight, hub.units).map((sentence) => h('p', {}, ...prose(sentence))),
+      h('p', { class: 'note' }, say('charts.recorded', { meanings: meanings.join('; ') })),
     ]);
-    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), words, ...keys), host);
-    hosts.push([host, chart(host, x, curves.map(([quantity]) => quantity), range), data]);
+    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), name === 'peak' && unit, words, ...keys), host);
+    hosts.push([host, chart(host, x, () => (hub.units.scales ? hub.units.time(history.columns[0]!.at(-1) ?? 0).name : ''), curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
+  const unit = h('span', { class: 'unit' });
+  const inUnits = (speeds: number[]): number[] => (hub.units.scales ? speeds.map((speed) => hub.units.speed.factor * speed) : speeds);
+  const named = (): void => {
+    unit.textContent = hub.units.scales ? ` (${hub.units.speed.name})` : '';
+  };
+  hub.on('units', () => {
+    named();
+    redraw();
+  });
   let angles = new Float64Array();
-  const profile = (): HTMLElement => add('profile', ['means along the axis against the angle θ'], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
+  const profile = (): HTMLElement => add('profile', [say('charts.profile-meaning')], 'θ', [['P_z', 'P_z'], ['u_z', 'u_z']], () => {
     const frame = hub.frame;
     if (!frame) return [[], [], []];
     if (angles.length !== frame.n_theta) angles = Float64Array.from({ length: frame.n_theta }, (_, i) => (2 * Math.PI * i) / frame.n_theta);
     return [angles, frame.profile_P, frame.profile_u] as unknown as uPlot.AlignedData;
   }, [-1, 1]);
 
-  const section = h('section', { id: 'charts', 'aria-label': 'Traces over time' });
+  /** Times in the unit that suits the last of them. */
+  const times = (): number[] => {
+    const [all] = history.columns as [number[]];
+    const { factor } = hub.units.time(all.at(-1) ?? 0);
+    return factor === 1 ? all : all.map((t) => factor * t);
+  };
+  const section = h('section', { id: 'charts', 'aria-label': say('charts.label') });
   const build = (): void => {
     for (const [host, plot] of hosts) {
       observer.unobserve(host);
@@ -71,10 +94,10 @@ export function traces(hub: Hub): HTMLElement {
     const recorded = model.traces;
     const rows = (history = new History(recorded.length + 1));
     const pick = (k: number): Trace => recorded[k - 1]!;
-    const charts = grouped(recorded).map(({ title, columns }) =>
-      add(title, columns.map((k) => pick(k).meaning), 't',
+    const charts = grouped(recorded).map(({ chart, columns }) =>
+      add(chart, columns.map((k) => said(`trace.${pick(k).name}`, pick(k).meaning)), 't',
         columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
-        () => [rows.columns[0]!, ...columns.map((k) => rows.columns[k]!)] as uPlot.AlignedData));
+        () => [times(), ...columns.map((k) => (chart === 'peak' ? inUnits(rows.columns[k]!) : rows.columns[k]!))] as uPlot.AlignedData));
     section.replaceChildren(...charts, ...(model.straight ? [profile()] : []));
     hosts.forEach(([host]) => observer.observe(host));
   };
@@ -96,7 +119,11 @@ export function traces(hub: Hub): HTMLElement {
     }), 100);
   };
   hub.on('cell', (cell) => {
-    if (!cell.fresh) return;
+    if (!cell.fresh) {
+      // What was undone has not happened.
+      history.cut(cell.t);
+      return redraw();
+    }
     const now = hub.modelOf(cell);
     if (now !== model) {
       model = now;
@@ -110,6 +137,7 @@ export function traces(hub: Hub): HTMLElement {
     redraw();
   });
   hub.on('look', () => hosts.forEach(([, plot]) => plot.redraw(false, true)));
+  named();
   build();
   return section;
 }
@@ -127,7 +155,8 @@ const measured = ((): ((text: string) => number) => {
   };
 })();
 
-function chart(host: HTMLElement, x: string, quantities: string[], range?: [number, number]): uPlot {
+/** `x` names the axis; where `unit` is not empty, it follows the last number instead. */
+function chart(host: HTMLElement, x: string, unit: () => string, quantities: string[], range?: [number, number]): uPlot {
   const axis = (): uPlot.Axis => ({
     stroke: () => style('--soft'),
     grid: { stroke: () => style('--line'), width: 1 },
@@ -136,7 +165,7 @@ function chart(host: HTMLElement, x: string, quantities: string[], range?: [numb
     gap: 3,
   });
   const below = (ticks: number[]): string[] =>
-    range ? ['0', `${x} = π`, '2π'] : ticks.map((tick, i) => (i === ticks.length - 1 ? `${x} ${+tick.toPrecision(4)}` : String(+tick.toPrecision(4))));
+    range ? ['0', `${x} = π`, '2π'] : ticks.map((tick, i) => (i < ticks.length - 1 ? short(tick, 4) : unit() ? `${short(tick, 4)} ${unit()}` : `${x} ${short(tick, 4)}`));
   let last: string[] = [];
   return new uPlot({
     width: 200,
@@ -155,21 +184,22 @@ function chart(host: HTMLElement, x: string, quantities: string[], range?: [numb
     series: [{}, ...quantities.map((quantity) => {
       const { colour, dash, upright } = lineOf(quantity);
       return {
-        stroke: () => style(colour), width: 1.6, dash, points: { show: false },
-        ...(upright ? { fill: directions, fillTo: 0 } : {}),
+        stroke: upright ? (plot: uPlot) => directions(plot, '') : () => style(colour), width: 1.6, dash, points: { show: false },
+        ...(upright ? { fill: (plot: uPlot) => directions(plot, WASH), fillTo: 0 } : {}),
       };
     })],
   }, [[], ...quantities.map(() => [])] as unknown as uPlot.AlignedData, host);
 }
 
-/** The colours of up above zero and of down below it, with a sharp border. */
-function directions(plot: uPlot): CanvasGradient {
+/** The colours of up above zero and of down below it, with a sharp border, at some opacity. */
+function directions(plot: uPlot, opacity: string): CanvasGradient | string {
   const { top, height } = plot.bbox;
+  if (!(height > 0)) return style('--ink');
   const wash = plot.ctx.createLinearGradient(0, top, 0, top + height);
   const zero = (plot.valToPos(0, 'y', true) - top) / height;
   const border = Number.isFinite(zero) ? Math.min(1, Math.max(0, zero)) : 0.5;
   for (const [at, name] of [[0, '--up'], [border, '--up'], [border, '--down'], [1, '--down']] as const) {
-    wash.addColorStop(at, style(name) + WASH);
+    wash.addColorStop(at, style(name) + opacity);
   }
   return wash;
 }

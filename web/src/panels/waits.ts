@@ -1,9 +1,9 @@
 import type { Ask, Preparing } from '../protocol';
 import { h } from './dom';
+import { heard, say } from '../words/say';
 
 /** Requests that are allowed while a cell is being prepared. */
-const ALWAYS = new Set<Ask['do']>(['seen', 'tell', 'begin', 'play', 'pause', 'speed', 'vacuole']);
-const OPENING = 'Opening the cell…';
+const ALWAYS = new Set<Ask['do']>(['seen', 'tell', 'begin', 'play', 'pause', 'speed', 'vacuole', 'units']);
 
 /**
  * What the page is waiting for: a message over the stage and next to the controls of time. Controls are disabled
@@ -31,7 +31,7 @@ export class Waits {
   /** Why a request is refused now, or ''. */
   refuses(message: Ask): string {
     if (this.lost) return this.lost;
-    return this.preparing?.another && !ALWAYS.has(message.do) ? this.preparing.sentence : '';
+    return this.preparing?.another && !ALWAYS.has(message.do) ? heard(this.preparing.sentence) : '';
   }
 
   prepare(preparing: Preparing | null): void {
@@ -58,7 +58,7 @@ export class Waits {
   }
 
   private show(): void {
-    const words = this.lost || (this.preparing?.sentence ?? (this.empty ? OPENING : ''));
+    const words = this.lost || (this.preparing ? heard(this.preparing.sentence) : this.empty ? say('page.opening') : '');
     for (const element of [this.over, this.beside]) {
       if (element.textContent !== words) element.textContent = words;
       element.hidden = words === '';

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import type { Defect, Palette } from '../protocol';
 import { Defects } from './defects';
 import type { Fields } from './fields';
-import { paletteTable, rgb } from './palette';
+import { lightOf, paletteTable, rgb } from './palette';
 import type { Particles } from './particles';
 import { Opened } from './opened';
 import { endFragment, endVertex, STEPS, surfaceFragment, surfaceVertex } from './shaders';
@@ -37,6 +37,7 @@ export class Cylinder {
   private readonly defects: Defects;
   private shown: Surface | null = null;
   private order: THREE.DataTexture | null = null;
+  private vector: THREE.DataTexture | null = null;
   private readonly colours: THREE.DataTexture;
   private version = -1;
 
@@ -57,7 +58,11 @@ export class Cylinder {
     this.colours.needsUpdate = true;
     this.uniforms = {
       order: { value: null },
+      vector: { value: null },
       colours: { value: this.colours },
+      wheeled: { value: 0 },
+      wheel: { value: Array.from({ length: 4 }, () => new THREE.Vector3()) },
+      gamma: { value: new THREE.Vector2(1, 0) },
       size: { value: new THREE.Vector2(1, 1) },
       toScreen: { value: new THREE.Matrix4() },
       turn: { value: 0 },
@@ -86,6 +91,7 @@ export class Cylinder {
     this.opened = new Opened(tracers, this.uniforms);
     this.defects = new Defects(this.uniforms);
     this.scene.add(this.surface, this.end, this.trails.mesh, this.opened.group, this.defects.mesh);
+    this.setPalette(palette);
     this.setDark(dark);
   }
 
@@ -111,7 +117,13 @@ export class Cylinder {
   setPalette(palette: Palette): void {
     (this.colours.image.data as Uint8Array).set(paletteTable(palette, COLOURS));
     this.colours.needsUpdate = true;
-    this.uniforms.zone.value = linear(palette.zone);
+    const { uniforms } = this;
+    uniforms.zone.value = linear(palette.zone);
+    uniforms.wheeled.value = palette.wheel ? 1 : 0;
+    if (!palette.wheel) return;
+    uniforms.gamma.value.set(palette.wheel.gamma, palette.wheel.darkest);
+    lightOf(palette.wheel).forEach((light, k) => (uniforms.wheel.value as THREE.Vector3[])[k].fromArray(light));
+    this.version = -1; // this palette needs a texture that others do not
   }
 
   setDark(dark: boolean): void {
@@ -198,16 +210,21 @@ export class Cylinder {
     if (this.version === fields.version) return;
     this.version = fields.version;
     const { n_theta, n_z } = fields;
-    let { order } = this;
-    if (!order || order.image.width !== n_z || order.image.height !== n_theta || order.image.data !== fields.order) {
-      order?.dispose();
-      order = new THREE.DataTexture(fields.order, n_z, n_theta, THREE.RGBAFormat, THREE.FloatType);
-      this.order = this.uniforms.order.value = order;
-      this.uniforms.size.value.set(n_z, n_theta);
-    }
-    order.needsUpdate = true;
+    this.uniforms.size.value.set(n_z, n_theta);
+    this.order = this.uniforms.order.value = texture(this.order, fields.order, n_z, n_theta);
+    if (this.uniforms.wheeled.value) this.vector = this.uniforms.vector.value = texture(this.vector, fields.vector, n_z, n_theta);
   }
+}
 
+/** A texture of these values, the one before if it has them already; to be uploaded. */
+function texture(before: THREE.DataTexture | null, values: Float32Array, width: number, height: number): THREE.DataTexture {
+  let made = before;
+  if (!made || made.image.width !== width || made.image.height !== height || made.image.data !== values) {
+    made?.dispose();
+    made = new THREE.DataTexture(values as Float32Array<ArrayBuffer>, width, height, THREE.RGBAFormat, THREE.FloatType);
+  }
+  made.needsUpdate = true;
+  return made;
 }
 
 const size = new THREE.Vector2();

@@ -27,6 +27,8 @@ export class Fields {
   version = 0;
   /** Four values per point: P_z (|P| on a sphere) and the contrast around it before, and both now. */
   order = new Float32Array(0);
+  /** Four values per point: P_theta and P_z before, and both now. */
+  vector = new Float32Array(0);
   /** Flow at the moment of the last `blend`: u_theta, u_z for each point. */
   flow = new Float32Array(0);
 
@@ -51,6 +53,7 @@ export class Fields {
     if (another) {
       if (this.order.length !== 4 * points) {
         this.order = new Float32Array(4 * points);
+        this.vector = new Float32Array(4 * points);
         this.flow = new Float32Array(2 * points);
         this.before = new Float32Array(2 * points);
         this.now = new Float32Array(2 * points);
@@ -61,15 +64,19 @@ export class Fields {
       this.surface = surface;
       this.contrast = new Contrast(frame.n_theta, rows, surface);
     }
-    const { order, before, now } = this;
-    const [P_z, u_theta, u_z] = charted(frame, surface);
-    const contrast = this.contrast.of(P_z);
+    const { order, vector, before, now } = this;
+    const { P_theta, P_z, shown, u_theta, u_z } = charted(frame, surface);
+    const contrast = this.contrast.of(shown);
     const m = another ? 0 : this.mixing(at);
     for (let p = 0, q = 0, r = 0; p < points; p++, q += 4, r += 2) {
       order[q] += m * (order[q + 2] - order[q]);
       order[q + 1] += m * (order[q + 3] - order[q + 1]);
-      order[q + 2] = P_z[p];
+      order[q + 2] = shown[p];
       order[q + 3] = contrast[p];
+      vector[q] += m * (vector[q + 2] - vector[q]);
+      vector[q + 1] += m * (vector[q + 3] - vector[q + 1]);
+      vector[q + 2] = P_theta[p];
+      vector[q + 3] = P_z[p];
       before[r] += m * (now[r] - before[r]);
       before[r + 1] += m * (now[r + 1] - before[r + 1]);
       now[r] = u_theta[p];
@@ -79,6 +86,8 @@ export class Fields {
       for (let q = 0; q < order.length; q += 4) {
         order[q] = order[q + 2];
         order[q + 1] = order[q + 3];
+        vector[q] = vector[q + 2];
+        vector[q + 1] = vector[q + 3];
       }
       before.set(now);
     }
@@ -114,13 +123,21 @@ export class Fields {
   }
 }
 
-/** What is coloured, and the flow, on the chart of a surface. */
-function charted(frame: Frame, surface: Surface): [Float32Array, Float32Array, Float32Array] {
-  const { P_theta, P_z, u_theta, u_z, n_theta, n_z } = frame;
-  if (!surface.closed) return [P_z, u_theta, u_z];
+/** P and the flow on the chart of a surface. */
+type Charted = Pick<Frame, 'P_theta' | 'P_z' | 'u_theta' | 'u_z'> & { shown: Float32Array };
+
+/** P and the flow as they are drawn, and what of P has a colour: P_z, or |P| on a sphere, which has no axis. */
+function charted(frame: Frame, surface: Surface): Charted {
+  if (!surface.closed) return { ...frame, shown: frame.P_z };
+  const { P_theta, P_z, n_theta, n_z } = frame;
   const twice = (field: Float32Array, sign: number): Float32Array => doubled(field, n_theta, n_z, sign);
-  const shown = surface.axial ? twice(P_z, -1) : twice(P_z.map((value, p) => Math.hypot(value, P_theta[p])), 1);
-  return [shown, twice(u_theta, -1), twice(u_z, -1)];
+  return {
+    P_theta: twice(P_theta, -1),
+    P_z: twice(P_z, -1),
+    shown: surface.axial ? twice(P_z, -1) : twice(P_z.map((value, p) => Math.hypot(value, P_theta[p])), 1),
+    u_theta: twice(frame.u_theta, -1),
+    u_z: twice(frame.u_z, -1),
+  };
 }
 
 /**

@@ -5,12 +5,15 @@ import type { BrushMark } from './cylinder';
 import type { Fields } from './fields';
 import { TRAIL, type Particles } from './particles';
 import { Raster } from './raster';
+import { Units } from '../panels/units';
 import { POINTS, Streamlines } from './streamlines';
 import { CylinderSurface, nearest, type Place, type Surface } from './surface';
 import type { Defect, Palette } from '../protocol';
 
 const TURN = 2 * Math.PI;
 const MARGIN = { left: 30, right: 12, top: 10, bottom: 34 };
+/** Room below for a bar of a round length. */
+const BAR = 24;
 /** A long cell is drawn at least this wide, in pixels, even if that widens it. */
 const NARROWEST = 72;
 const SERIF = "'STIX Two Text', 'STIXGeneral', 'Latin Modern Roman', Georgia, 'Times New Roman', serif";
@@ -24,10 +27,14 @@ export class UnwrappedMap {
   width = 1;
   height = 1;
   zone: string;
+  /** A length in words, and a bar of a round length where lengths have units. */
+  units = new Units(null);
 
   private readonly lines = new Streamlines();
   private surface: Surface = new CylinderSurface(5);
   private ratio = 1;
+  /** The size of print, relative to the usual one. */
+  private large = 1;
 
   constructor(
     palette: Palette,
@@ -87,14 +94,16 @@ export class UnwrappedMap {
         canvas.height = h;
       }
     }
-    const across = Math.max(20, width - MARGIN.left - MARGIN.right);
-    const up = Math.max(20, height - MARGIN.top - MARGIN.bottom);
+    const k = (this.large = parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);
+    const left = k * (this.units.scales ? 1.8 : 1) * MARGIN.left;
+    const across = Math.max(20, width - left - k * MARGIN.right);
+    const up = Math.max(20, height - k * (MARGIN.top + MARGIN.bottom + (this.units.scales ? BAR : 0)));
     const scale = Math.min(across / TURN, up / length);
     const { box } = this;
     box.width = Math.min(across, Math.max(NARROWEST, TURN * scale));
     box.height = length * scale;
-    box.x = MARGIN.left + (across - box.width) / 2;
-    box.y = MARGIN.top + (up - box.height) / 2;
+    box.x = left + (across - box.width) / 2;
+    box.y = k * MARGIN.top + (up - box.height) / 2;
   }
 
   /** The [theta, z] at a pixel; outside, that of the nearest edge, or null if `strict`. */
@@ -207,19 +216,38 @@ export class UnwrappedMap {
     }
     context.stroke();
     context.globalAlpha = 1;
-    context.font = `14px ${SERIF}`;
+    const { large: k, units } = this;
+    context.font = `${14 * k}px ${SERIF}`;
     context.textAlign = 'center';
     context.textBaseline = 'top';
     ['0', 'π', '2π'].forEach((text, k) => context.fillText(text, box.x + (k / 2) * box.width, bottom + 7));
     context.textAlign = 'right';
     context.textBaseline = 'middle';
     context.fillText('0', box.x - 8, bottom - 3);
-    context.fillText(String(Number(length.toFixed(1))), box.x - 8, box.y + 5);
-    context.font = `italic 15px ${SERIF}`;
+    context.fillText(units.scales ? units.reaching(length) : String(Number(length.toFixed(1))), box.x - 8, box.y + 5);
+    context.font = `italic ${15 * k}px ${SERIF}`;
     context.fillText(closed ? 's' : 'z', box.x - 10, box.y + 0.5 * box.height);
     context.textAlign = 'center';
     context.textBaseline = 'top';
     context.fillText('θ', box.x + 0.25 * box.width, bottom + 6);
+    this.drawBar(context);
+  }
+
+  /** A bar of a round length, in units. */
+  private drawBar(context: CanvasRenderingContext2D): void {
+    const { box, large: k } = this;
+    const bar = this.units.bar((0.4 * box.width) / this.scale);
+    if (!bar) return;
+    const right = box.x + box.width;
+    const y = box.y + box.height + k * (MARGIN.bottom - 4);
+    context.lineWidth = 2 * k;
+    context.beginPath();
+    context.moveTo(right - bar.length * this.scale, y);
+    context.lineTo(right, y);
+    context.stroke();
+    context.font = `${13 * k}px ${SERIF}`;
+    context.textAlign = 'right';
+    context.fillText(bar.name, right, y + 4 * k);
   }
 
   /** Particles, the brush, and a mark at the angle that faces the viewer of the cylinder. */

@@ -1,6 +1,6 @@
-// Colours of P_z.
+// Colours of P_z, or of the direction of P.
 
-import type { Palette } from '../protocol';
+import type { Palette, Wheel } from '../protocol';
 
 export type Rgb = [number, number, number];
 
@@ -30,4 +30,53 @@ export function paletteTable(palette: Palette, count: number): Uint8Array<ArrayB
     table[4 * k + 3] = 255;
   }
   return table;
+}
+
+/** Colours of a wheel as light, each from 0 to 1. */
+export function lightOf(wheel: Wheel): Rgb[] {
+  return wheel.colours.map((colour) => rgb(colour).map((part) => (part / 255) ** wheel.gamma) as Rgb);
+}
+
+/** The colour of an order vector, each part from 0 to 1: its direction as hue, its length as brightness. */
+export function directionOf(wheel: Wheel, around: number, along: number, light = lightOf(wheel)): Rgb {
+  const place = ((Math.atan2(along, around) / (0.5 * Math.PI)) % 4 + 4) % 4;
+  const below = Math.floor(place) % 4;
+  const share = place - Math.floor(place);
+  const size = wheel.darkest + (1 - wheel.darkest) * Math.min(1, Math.hypot(around, along));
+  return light[below]!.map((part, c) => (((1 - share) * part + share * light[(below + 1) % 4]![c]!) * size) ** (1 / wheel.gamma)) as Rgb;
+}
+
+const TURNS = 256;
+const SIZES = 128;
+
+/** Colours of order vectors in a table, as pixels: fast, and within a step of 255 of `directionOf`. */
+export class DirectionTable {
+  private readonly pixels = new Uint32Array(TURNS * SIZES);
+
+  constructor(wheel: Wheel) {
+    const light = lightOf(wheel);
+    const bytes = new Uint8Array(this.pixels.buffer);
+    for (let k = 0, q = 0; k < TURNS; k++) {
+      for (let m = 0; m < SIZES; m++, q += 4) {
+        const [angle, size] = [(2 * Math.PI * k) / TURNS, (m / (SIZES - 1)) ** 2];
+        bytes.set(directionOf(wheel, size * Math.cos(angle), size * Math.sin(angle), light).map((part) => Math.round(255 * part)), q);
+        bytes[q + 3] = 255;
+      }
+    }
+  }
+
+  /** The pixel of an order vector. */
+  of(around: number, along: number): number {
+    const k = ((Math.atan2(along, around) * TURNS) / (2 * Math.PI) + TURNS + 0.5) | 0;
+    // Closer near zero, where colours change fastest.
+    const m = (Math.sqrt(Math.min(1, Math.hypot(around, along))) * (SIZES - 1) + 0.5) | 0;
+    return this.pixels[(k % TURNS) * SIZES + m]!;
+  }
+}
+
+/** The colours of up and down for lines of charts: deep ones on white, bright ones on black. */
+export function upAndDown({ stops }: Palette, dark: boolean): [up: string, down: string] {
+  const strength = dark ? 1 : 0.33;
+  const nearest = (value: number): string => stops.reduce((best, stop) => (Math.abs(stop[0] - value) < Math.abs(best[0] - value) ? stop : best))[1];
+  return [nearest(strength), nearest(-strength)];
 }

@@ -1,5 +1,7 @@
 // The picture to save: cylinder and map side by side, as shown.
 
+import { say } from '../words/say';
+
 /** Draw groups of canvases side by side on the background of the page. */
 export async function beside(groups: HTMLCanvasElement[][], behind: HTMLElement): Promise<Blob> {
   const sizes = groups.map((group) => ({
@@ -18,7 +20,7 @@ export async function beside(groups: HTMLCanvasElement[][], behind: HTMLElement)
     x += sizes[k].width;
   });
   return new Promise((resolve, reject) => {
-    picture.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('The picture could not be written.'))), 'image/png');
+    picture.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(say('files.no-picture')))), 'image/png');
   });
 }
 

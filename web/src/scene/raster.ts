@@ -1,11 +1,11 @@
-// P_z as an image with its zero lines, for the map.
+// P_z, or the direction of P, as an image with the zero lines of P_z, for the map.
 
 import type { Palette } from '../protocol';
 import { Pieces, zeroLines } from './contours';
 import { FAINT, weight } from './contrast';
 import type { Fields } from './fields';
 import { Enlarger } from './interpolate';
-import { paletteTable } from './palette';
+import { DirectionTable, paletteTable } from './palette';
 
 const COLOURS = 1024;
 const LARGEST = 256;
@@ -20,6 +20,8 @@ export class Raster {
   private P_z = new Float32Array(0);
   private contrast = new Float32Array(0);
   private colours = new Uint32Array(0);
+  private directions: DirectionTable | null = null;
+  private vector: [Float32Array, Float32Array] = [new Float32Array(0), new Float32Array(0)];
 
   constructor(palette: Palette) {
     this.setPalette(palette);
@@ -27,6 +29,7 @@ export class Raster {
 
   setPalette(palette: Palette): void {
     this.colours = new Uint32Array(paletteTable(palette, COLOURS).buffer);
+    this.directions = palette.wheel && new DirectionTable(palette.wheel);
   }
 
   /** Draw the colours as they are laid out on the map: every row of a closed cell as wide as the circle there. */
@@ -35,19 +38,26 @@ export class Raster {
     const share = surface.closed ? 0.5 : 1;
     const { enlarger } = this;
     if (enlarger?.n_theta !== n_theta || enlarger.n_z !== n_z || enlarger.share !== share) this.resize(n_theta, n_z, share);
-    const { P_z, contrast, colours, bytes, canvas } = this;
+    const { P_z, contrast, colours, directions, bytes, canvas, vector } = this;
     const { width, height } = canvas;
     this.enlarger!.enlarge(fields.order, 0, mixing, P_z);
     this.enlarger!.enlarge(fields.order, 1, mixing, contrast);
+    if (directions) vector.forEach((part, k) => this.enlarger!.enlarge(fields.vector, k, mixing, part));
     const half = (COLOURS - 1) / 2;
-    const colour = (value: number): number => {
+    const shade = (value: number): number => {
       const k = (half * (1 + value) + 0.5) | 0;
       return colours[k < 0 ? 0 : k >= COLOURS ? COLOURS - 1 : k];
+    };
+    /** The colour between a pixel of the enlarged fields and the next. */
+    const colour = (at: number, share: number): number => {
+      const between = (field: Float32Array): number => field[at] + share * (field[at + 1] - field[at]);
+      return directions ? directions.of(between(vector[0]), between(vector[1])) : shade(between(P_z));
     };
     for (let row = 0, q = 0; row < height; row++) {
       const wide = surface.closed ? surface.radius((1 - (row + 0.5) / height) * surface.length) / surface.widest : 1;
       if (wide >= 1) {
-        for (const end = q + width; q < end; q++) bytes[q] = colour(P_z[q]);
+        if (directions) for (const end = q + width; q < end; q++) bytes[q] = directions.of(vector[0][q], vector[1][q]);
+        else for (const end = q + width; q < end; q++) bytes[q] = shade(P_z[q]);
         continue;
       }
       const first = row * width;
@@ -55,8 +65,7 @@ export class Raster {
         // Beyond the outline the nearest colour; it is cut off there.
         const x = Math.min(width - 1, Math.max(0, ((k + 0.5) / width - 0.5) * (width / wide) + 0.5 * width - 0.5));
         const low = Math.min(width - 2, Math.floor(x));
-        const value = P_z[first + low];
-        bytes[q] = colour(value + (x - low) * (P_z[first + low + 1] - value));
+        bytes[q] = colour(first + low, x - low);
       }
     }
     this.context.putImageData(this.image!, 0, 0);
@@ -105,6 +114,7 @@ export class Raster {
     this.bytes = new Uint32Array(this.image.data.buffer);
     this.P_z = new Float32Array(width * height);
     this.contrast = new Float32Array(width * height);
+    this.vector = [new Float32Array(width * height), new Float32Array(width * height)];
     this.enlarger = new Enlarger(n_theta, n_z, width, height, share);
   }
 }

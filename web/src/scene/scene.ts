@@ -8,9 +8,12 @@ import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
 import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
+import { ScaleBar } from './scalebar';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
+import type { Units } from '../panels/units';
 import { View } from './view';
+import { say } from '../words/say';
 
 export type { Tool } from './control';
 
@@ -36,7 +39,6 @@ const MANY_INSIDE = 450;
 const FEW_INSIDE = 250;
 const NARROW = 420;
 
-const KEYS = 'Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.';
 
 export class Scene {
   playing = false;
@@ -54,6 +56,7 @@ export class Scene {
   private readonly map: UnwrappedMap;
   private readonly control: Control;
   private readonly quality = new Quality();
+  private readonly bar = new ScaleBar();
   private cylinder: Cylinder | null = null;
   private lost = false;
   private readonly software: boolean;
@@ -64,6 +67,7 @@ export class Scene {
 
   private last = 0;
   private lastShown = -1;
+  private confirmed = -1;
   /** How far the tracers were on their way when they were last drawn. */
   private drawnInside = 1;
   private mapped = { at: 0, version: -1, mixing: -1 };
@@ -83,19 +87,17 @@ export class Scene {
       canvas.setAttribute('role', 'application');
       canvas.setAttribute('aria-label', text);
     };
-    label(this.canvas, `The cell as a cylinder. ${KEYS}`);
-    label(
-      this.map.moving,
-      'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cell.',
-    );
+    label(this.canvas, say('scene.cylinder', { keys: say('scene.keys') }));
+    label(this.map.moving, say('scene.map'));
     this.map.still.setAttribute('aria-hidden', 'true');
     place(options.cylinder, this.canvas);
+    options.cylinder.append(this.bar.element);
     place(options.map, this.map.still, this.map.moving);
     this.canvas.style.touchAction = 'none';
     try {
       this.cylinder = new Cylinder(this.canvas, this.particles, this.tracers, palette, dark, software);
     } catch {
-      const missing = 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.';
+      const missing = say('scene.no-webgl');
       this.canvas.hidden = true;
       options.cylinder.append(Object.assign(document.createElement('p'), { className: 'note', textContent: missing }));
     }
@@ -131,8 +133,8 @@ export class Scene {
 
   private label(): void {
     const { open } = this.view;
-    const shape = this.outline ? 'The closed cell' : `The cell as a cylinder${open ? ', opened, with the flow inside' : ''}`;
-    this.canvas.setAttribute('aria-label', `${shape}. ${KEYS}`);
+    const shape = this.outline ? 'scene.closed' : open ? 'scene.opened' : 'scene.cylinder';
+    this.canvas.setAttribute('aria-label', say(shape, { keys: say('scene.keys') }));
   }
 
   /** Take the front of the cylinder away, or close it. */
@@ -193,6 +195,13 @@ export class Scene {
     this.stale = this.dirty = true;
   }
 
+  /** Lengths are shown in these units. */
+  setUnits(units: Units): void {
+    this.map.units = units;
+    this.bar.units = units;
+    this.resize();
+  }
+
   setTool(tool: Tool, radius: number): void {
     this.control.setTool(tool, radius);
   }
@@ -220,7 +229,7 @@ export class Scene {
   private readonly onLost = (event: Event): void => {
     event.preventDefault(); // otherwise it is never restored
     this.lost = true;
-    this.options.notice('The browser cannot draw the cylinder at the moment; the map continues.');
+    this.options.notice(say('scene.lost'));
   };
 
   private readonly onRestored = (): void => {
@@ -251,7 +260,9 @@ export class Scene {
     if (moves) this.particles.step(fields, Math.min(since, 100) / 1000);
     this.draw(now, false);
     if (this.quality.count(now, since)) this.resize();
-    if (!fields.empty && fields.frame !== this.lastShown) {
+    // Also a picture of the same frame, after an action, was sent and is confirmed.
+    if (!fields.empty && fields.version !== this.confirmed) {
+      this.confirmed = fields.version;
       this.lastShown = fields.frame;
       this.onDrawn?.(fields.frame);
     }
@@ -272,6 +283,7 @@ export class Scene {
       this.mapped = { at: now, version: fields.version, mixing };
       this.stale = false;
     }
+    this.bar.show(fields.empty || !this.cylinder ? 0 : view.scale, view.width);
     map.drawMoving(fields, control.mark, view.turn, this.defects);
     this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
     if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, this.quality.ratio);

@@ -33,7 +33,11 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 uniform sampler2D order;   // P_z and its contrast before; both now
+uniform sampler2D vector;  // P_theta and P_z before; both now
 uniform sampler2D colours;
+uniform float wheeled;     // 1 if colours show the direction of P
+uniform vec3 wheel[4];     // its colours as light
+uniform vec2 gamma;        // of the light, and the share of it where P vanishes
 uniform ivec2 size;        // n_z, n_theta
 uniform float cell;        // the period along the chart
 uniform float closed;      // 1 for a closed surface
@@ -63,7 +67,7 @@ vec4 cubic(float t) {
     t * t * (t - 1.0));
 }
 
-vec2 value(vec2 where) {
+vec2 value(sampler2D field, vec2 where) {
   vec2 x = vec2(where.y / cell, where.x / 6.283185307179586) * vec2(size);
   vec2 whole = floor(x);
   vec4 across = cubic(x.x - whole.x);
@@ -74,19 +78,28 @@ vec2 value(vec2 where) {
   vec4 sum = vec4(0.0);
   for (int m = 0; m < 4; m++) {
     sum += along[m] * (
-      across.x * texelFetch(order, ivec2(i.x, j[m]), 0) +
-      across.y * texelFetch(order, ivec2(i.y, j[m]), 0) +
-      across.z * texelFetch(order, ivec2(i.z, j[m]), 0) +
-      across.w * texelFetch(order, ivec2(i.w, j[m]), 0));
+      across.x * texelFetch(field, ivec2(i.x, j[m]), 0) +
+      across.y * texelFetch(field, ivec2(i.y, j[m]), 0) +
+      across.z * texelFetch(field, ivec2(i.z, j[m]), 0) +
+      across.w * texelFetch(field, ivec2(i.w, j[m]), 0));
   }
   return mix(sum.xy, sum.zw, mixing);
 }
 
+// The colour of an order vector, as directionOf in palette.ts.
+vec3 direction(vec2 P) {
+  float place = mod(atan(P.y, P.x + 1e-7) / 1.5707963267948966, 4.0);
+  int below = int(floor(place)) % 4;
+  vec3 hue = mix(wheel[below], wheel[(below + 1) % 4], fract(place));
+  return pow(hue * mix(gamma.y, 1.0, min(length(P), 1.0)), vec3(1.0 / gamma.x));
+}
+
 void main() {
-  vec2 P = value(at);
+  vec2 P = value(order, at);
   float slant = dot(outward, eye);
   float facing = max(inner > 0.5 ? -slant : slant, 0.0);
   vec3 base = texture(colours, vec2(0.5 + 0.5 * clamp(P.x, -1.0, 1.0), 0.5)).rgb;
+  if (wheeled > 0.5) base = direction(value(vector, at));
   float light = 0.50 + 0.50 * pow(facing, 0.55);
   float gloss = exp(-18.0 * (outward.x + 0.34) * (outward.x + 0.34) - 3.0 * outward.y * outward.y);
   colour = vec4(base * light + 0.045 * gloss * (1.0 - inner), 1.0);

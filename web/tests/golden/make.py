@@ -11,6 +11,7 @@ import base64
 import hashlib
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,9 @@ from cyclosis.dynamics.advance import Control, advance, start
 from cyclosis.dynamics.live import Live
 from cyclosis.dynamics.steppers import METHODS
 from cyclosis.explorer.catalogue import catalogue
+from cyclosis.explorer.palettes import PALETTES
 from cyclosis.explorer.setup import from_tables
+from cyclosis.figures.looks import direction_rgb
 from cyclosis.model.precision import double
 from cyclosis.model.system import ramped, rate_spectrum, state_of, system
 
@@ -337,6 +340,14 @@ def links() -> list[dict[str, Any]]:
     ]
 
 
+def colours() -> dict[str, Any]:
+    """Return the colours of the page, and those of order vectors by the figures: [P_theta, P_z, r, g, b]."""
+    angle, size = np.meshgrid(np.linspace(-3.0, 3.1, 23), [0.0, 0.2, 0.6, 1.0, 1.3])
+    P = np.stack([size * np.cos(angle), size * np.sin(angle)])
+    rows = np.concatenate([P, np.moveaxis(direction_rgb(P), -1, 0)]).reshape(5, -1).T
+    return {"palettes": [asdict(item) for item in PALETTES], "directions": np.round(rows, 6).tolist()}
+
+
 def write(name: str, found: Any) -> None:
     """Write one file."""
     (HERE / name).write_text(json.dumps(found, indent=1) + "\n")
@@ -354,6 +365,7 @@ FILES = {
     "regimes.json": regimes,
     "links.json": links,
     "ends.json": ends,
+    "colours.json": colours,
 }
 
 
