@@ -33,7 +33,7 @@ const AWAY = 'The connection to the cell is lost.';
 /** Questions: each is repeated over the next connection until the answer, a message of the same name, arrives. */
 const QUESTIONS = new Set<string>(['hash', 'curves'] satisfies (Ask['do'] & Said['type'])[]);
 /** Requests that the server does not count: questions, and those that need not be repeated. */
-const UNCOUNTED = new Set<Ask['do']>(['seen', 'tell', 'hash', 'curves', 'alive', 'ping', 'leave', 'resume']);
+const UNCOUNTED = new Set<Ask['do']>(['seen', 'tell', 'hash', 'curves', 'alive', 'ping', 'leave', 'resume', 'reach']);
 
 /** The address of the cell, next to that of this page. */
 export function cellAddress(location: { href: string }): string {
@@ -65,14 +65,15 @@ export class Connection {
   /** Questions whose answers were lost with a connection. */
   private lost: Ask[] = [];
   private ended = '';
+  private readonly looking: ReturnType<typeof setInterval>;
 
   constructor(
     private readonly listener: Listener,
-    private readonly make: () => Socket = () => new WebSocket(cellAddress(location)),
+    private make: () => Socket = () => new WebSocket(cellAddress(location)),
     private readonly now: () => number = Date.now, // keeps counting while a machine sleeps
   ) {
     this.looked = now();
-    setInterval(() => this.look(), LOOK);
+    this.looking = setInterval(() => this.look(), LOOK);
   }
 
   get isOpen(): boolean {
@@ -101,6 +102,21 @@ export class Connection {
         else this.listener.frame(readFrame(data));
       } else this.hear(JSON.parse(data) as Said);
     };
+  }
+
+  /** Continue over other sockets, of another engine: the cell begins there anew, with the requests that did not arrive. */
+  moveTo(make: () => Socket): void {
+    this.make = make;
+    this.token = '';
+    this.open();
+  }
+
+  /** End the session, and do not come back. */
+  end(): void {
+    clearInterval(this.looking);
+    this.leave();
+    this.drop();
+    this.over = true;
   }
 
   /** Send a request; without a session nothing is sent, and false is returned. */

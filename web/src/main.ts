@@ -1,6 +1,8 @@
 import 'uplot/dist/uPlot.min.css';
 import './style.css';
-import { chosenEngine } from './engine/socket';
+import { browserAddress, chosenEngine } from './engine/socket';
+import { parted } from './compare/address';
+import { Comparison } from './compare/compare';
 import { diagram } from './panels/diagram';
 import { h } from './panels/dom';
 import { equation } from './panels/equation';
@@ -16,9 +18,11 @@ import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
 import { parameters } from './panels/parameters';
 import { presets } from './panels/presets';
+import { restsWhileHidden } from './panels/rest';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
 import { SpeedMeter } from './panels/speed';
+import { firstPreset } from './panels/story';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
 import { Waits } from './panels/waits';
@@ -28,7 +32,7 @@ import { Session } from './session';
 
 declare global {
   interface Window {
-    cyclosis: { statistics(): Record<string, unknown>; latest(): Cell | null };
+    cyclosis: { statistics(): Record<string, unknown>; latest(): Cell | null; other(): { t: number; link: string } | null };
   }
 }
 
@@ -45,7 +49,7 @@ function build(about: About): void {
   const { element: toastElement, toast } = toaster();
   const ask = (message: Ask): void => {
     if (message.do === 'change') scene.expect();
-    session.ask(message);
+    if (!comparison.asks(message)) session.ask(message);
   };
   const hub = new Hub(about, ask, toast);
   let inner: InsideSwitch | null = null;
@@ -67,7 +71,13 @@ function build(about: About): void {
   const scene = new Scene({ cylinder, map, palette: keptPalette(about.palettes), dark: isDark(), notice: toast });
   inner = insideSwitch(hub, scene, app);
   cylinder.append(inner.element);
-  const tools = hand(hub, scene);
+  const comparison = new Comparison({ hub, scene, app, stage, charts, ask: (message) => session.ask(message), close: () => inner?.on && inner.toggle() }, parted(location.hash));
+  const tools = hand(hub, {
+    setTool: (tool, radius) => {
+      scene.setTool(tool, radius);
+      comparison.setTool(tool, radius);
+    },
+  });
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
   scene.onDrawn = (frame) => unseen.drawn(frame);
@@ -80,7 +90,7 @@ function build(about: About): void {
     ['2', 'wound', () => tools.choose('wound')],
     ['3', 'fragment', () => tools.choose('fragment')],
     ['4', 'align', () => tools.choose('align')],
-    ['v', 'look inside the cell', () => inner?.toggle()],
+    ['v', 'look inside the cell', () => comparison.active || inner?.toggle()],
     ['t', 'the tour', () => guide.start()],
     ['?', 'this list', () => help.open()],
   ]);
@@ -92,7 +102,7 @@ function build(about: About): void {
       h('button', { id: 'keys', 'aria-label': 'keys', title: 'keys (?)', onclick: () => help.open() }, '?')),
   );
   panels.append(
-    presets(hub), tools.element, parameters(hub), diagram(hub), interventions(hub),
+    presets(hub), tools.element, parameters(hub), diagram(hub), comparison.panel.element, interventions(hub),
     share(hub, () => scene.png()), equation(hub), newCell(hub), look(hub, scene),
     h('p', { class: 'note foot' }, `cyclosis ${about.version}, after Woodhouse & Goldstein, PNAS 110 (2013).`),
   );
@@ -100,7 +110,8 @@ function build(about: About): void {
     panels.querySelectorAll<HTMLDetailsElement>('details.panel').forEach((panel) => (panel.open = panel.id === 'panel-presets' || panel.id === 'panel-hand'));
   }
 
-  const hear = (said: Said): void => {
+  const hear = (raw: Said): void => {
+    const said = comparison.hears(raw);
     if (said.type === 'cell') {
       // The message that began another cell may have been lost with a connection.
       said.fresh ||= said.begun !== hub.cell?.begun;
@@ -128,6 +139,7 @@ function build(about: About): void {
       meter.add(performance.now(), frame.t);
       scene.show(frame);
       hub.emit('frame', frame);
+      comparison.came(frame);
     },
     inside: (inside) => {
       if (inside.begun === hub.cell?.begun) scene.showInside(inside);
@@ -136,13 +148,25 @@ function build(about: About): void {
       scene.playing = false;
       unseen.forget();
     },
+    first: () => {
+      const { link } = parted(location.hash);
+      const preset = firstPreset(about.presets)?.name;
+      return link ? { do: 'begin', link } : preset ? { do: 'begin', preset } : { do: 'begin', setup: {} };
+    },
+    moved: () => {
+      comparison.moved();
+      // Opened again, the address computes the cell in the browser too.
+      history.replaceState(null, '', browserAddress());
+    },
   }, chosenEngine());
+  restsWhileHidden(hub, () => session.isOpen);
   app.append(guide.element, help.element, session.banner);
   addEventListener('hashchange', () => {
-    const link = location.hash.slice(1);
+    const { link } = parted(location.hash);
     if (link && link !== hub.link) hub.ask({ do: 'begin', link });
   });
   window.cyclosis = {
+    other: () => comparison.other,
     statistics: () => ({
       ...scene.statistics,
       t: hub.frame?.t ?? hub.cell?.t ?? 0,

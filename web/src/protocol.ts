@@ -167,6 +167,8 @@ export type Ask =
   | { do: 'alive' | 'ping' | 'leave' }
   | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' }
   | { do: 'speed'; value: number }
+  /** Compute up to a frame as fast as possible, and stand still there. */
+  | { do: 'reach'; frame: number }
   | { do: 'change'; values: Values }
   | { do: 'drug'; name: 'cytochalasin' | 'wash_out' | 'inhibit_myosin' }
   | {

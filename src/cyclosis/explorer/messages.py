@@ -70,6 +70,13 @@ class Speed(_Ask):
     value: Annotated[float, Field(ge=SLOWEST, le=FASTEST, strict=False)]
 
 
+class Reach(_Ask):
+    """Compute up to a frame as fast as possible, and stand still there: cells that are compared share their times."""
+
+    do: Literal["reach"]
+    frame: Annotated[int, Field(ge=0, le=1_000_000)]
+
+
 class Set(_Ask):
     """Change the values of parameters."""
 
@@ -132,7 +139,7 @@ class Seen(_Ask):
     frame: int
 
 
-Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Vacuole | Seen
+Ask = Begin | Resume | Sign | Plain | Speed | Reach | Set | Drug | Brush | Vacuole | Seen
 _ADAPTER: TypeAdapter[Ask] = TypeAdapter(Annotated[Ask, Field(discriminator="do")])
 
 

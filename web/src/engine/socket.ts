@@ -45,7 +45,7 @@ export class WorkerSocket implements Socket {
   }
 }
 
-function newEngine(): Engine {
+export function newEngine(): Engine {
   return new Worker(new URL('./worker.ts', import.meta.url), { type: 'module' });
 }
 
@@ -61,6 +61,13 @@ export function inBrowser(address = location.href, page: Document = document): b
   const asked = new URL(address).searchParams.get('engine');
   const own = page.querySelector<HTMLMetaElement>('meta[name="cyclosis-engine"]')?.content;
   return (asked ?? own) === 'browser';
+}
+
+/** The address of this page with the cell computed in the browser. */
+export function browserAddress(address = location.href): string {
+  const own = new URL(address);
+  own.searchParams.set('engine', 'browser');
+  return own.href;
 }
 
 /** Sockets of the engine in the browser if that is chosen; else none. */

@@ -23,7 +23,7 @@ export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
     hash.dataset.t = String(t);
   });
   hub.on('cell', (cell) => {
-    writeAddress(cell.link);
+    writeAddress(cell.link + hub.suffix);
     if (cell.fresh) hash.textContent = copied.textContent = '';
   });
 

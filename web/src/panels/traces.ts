@@ -127,7 +127,7 @@ const measured = ((): ((text: string) => number) => {
   };
 })();
 
-function chart(host: HTMLElement, x: string, quantities: string[], range?: [number, number]): uPlot {
+export function chart(host: HTMLElement, x: string, quantities: string[], range?: [number, number]): uPlot {
   const axis = (): uPlot.Axis => ({
     stroke: () => style('--soft'),
     grid: { stroke: () => style('--line'), width: 1 },
@@ -155,7 +155,7 @@ function chart(host: HTMLElement, x: string, quantities: string[], range?: [numb
     series: [{}, ...quantities.map((quantity) => {
       const { colour, dash, upright } = lineOf(quantity);
       return {
-        stroke: () => style(colour), width: 1.6, dash, points: { show: false },
+        stroke: () => style(colour), width: 1.6, dash, points: { show: false }, spanGaps: true,
         ...(upright ? { fill: directions, fillTo: 0 } : {}),
       };
     })],

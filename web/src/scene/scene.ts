@@ -10,7 +10,7 @@ import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
-import { View } from './view';
+import { View, type Stance } from './view';
 
 export type { Tool } from './control';
 
@@ -42,6 +42,8 @@ export class Scene {
   playing = false;
   onDrawn: ((frame: number) => void) | null = null;
   onStroke: ((points: [number, number][]) => void) | null = null;
+  /** Called when the visitor has turned or enlarged the cell. */
+  onView: (() => void) | null = null;
 
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
@@ -103,6 +105,7 @@ export class Scene {
     this.canvas.addEventListener('webglcontextrestored', this.onRestored);
     const changed = (): void => {
       this.dirty = true;
+      this.onView?.();
     };
     this.control = new Control(this.canvas, this.map, this.view, this.fields, changed);
     this.control.onStroke = (points) => this.onStroke?.(points);
@@ -117,6 +120,18 @@ export class Scene {
     const { version, count } = this.tracers;
     const { frames } = this.quality;
     return { frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown, inside: version, tracers: count };
+  }
+
+  /** From where the cell is seen. */
+  get stance(): Stance {
+    const { turn, tilt, zoom, centre } = this.view;
+    return { turn, tilt, zoom, centre };
+  }
+
+  set stance(stance: Stance) {
+    Object.assign(this.view, stance);
+    this.view.hold();
+    this.dirty = true;
   }
 
   get opens(): boolean {
