@@ -26,6 +26,7 @@ import { firstPreset } from './panels/story';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
 import { Waits } from './panels/waits';
+import { keepOffline } from './offline';
 import type { About, Ask, Said } from './protocol';
 import { Scene } from './scene/scene';
 import { Session } from './session';
@@ -40,6 +41,7 @@ const app = document.getElementById('app')!;
 
 async function start(): Promise<void> {
   document.documentElement.dataset.theme = isDark() ? 'dark' : 'light';
+  await keepOffline();
   const answer = await fetch('api/about');
   if (!answer.ok) throw new Error(`the server answered with status ${answer.status}`);
   build((await answer.json()) as About);

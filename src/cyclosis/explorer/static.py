@@ -1,7 +1,11 @@
-"""The explorer as a folder of files that any web server can serve, with the engine in the browser."""
+"""The explorer as a folder of files that any web server can serve, with the engine in the browser.
+
+A browser keeps the files of one release for times without a network (`web/public/offline.js`).
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 from pathlib import Path
@@ -20,6 +24,10 @@ _HEAD = f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}" />
     <meta name="referrer" content="no-referrer" />
     <meta name="cyclosis-engine" content="browser" />
     """
+
+
+OFFLINE = "offline.js"
+"""The service worker that keeps the files, next to the page."""
 
 
 def write(folder: str | Path, page: Path = PAGE) -> int:
@@ -44,9 +52,25 @@ def write(folder: str | Path, page: Path = PAGE) -> int:
         (target / "api").mkdir()
         for name, found in (("about", about()), ("engine", catalogue(theory=True))):
             (target / "api" / name).write_text(json.dumps(found, separators=(",", ":"), allow_nan=False))
+        _list(target)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
             "static", str(target), "a folder that can be written", f"check the path ({reason})"
         ) from error
     return sum(path.stat().st_size for path in target.rglob("*") if path.is_file())
+
+
+def _list(target: Path) -> None:
+    """Write into the service worker which files it keeps, and a name that changes with any of them."""
+    script = target / OFFLINE
+    files = sorted(path for path in target.rglob("*") if path.is_file() and path != script)
+    names = [path.relative_to(target).as_posix() for path in files]
+    text = script.read_text(encoding="utf-8")
+    digest = hashlib.sha256(text.encode())
+    for name, path in zip(names, files, strict=True):
+        digest.update(name.encode() + b"\0" + path.read_bytes())
+    # A folder's address is that of its page.
+    kept = json.dumps(["./", *names])
+    text = text.replace("VERSION = ''", f"VERSION = '{digest.hexdigest()[:16]}'").replace("FILES = []", f"FILES = {kept}")
+    script.write_text(text, encoding="utf-8")
