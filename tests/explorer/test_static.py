@@ -36,7 +36,7 @@ def page(tmp_path):
 @pytest.fixture
 def untheoretical(monkeypatch):
     """Leave out the curves of theory, which take seconds."""
-    monkeypatch.setattr(static, "catalogue", lambda theory: {"theory": theory})
+    monkeypatch.setattr(static, "whole", lambda: {"theory": True})
 
 
 def test_files(page, tmp_path, untheoretical):

@@ -5,7 +5,9 @@ import { parted } from './compare/address';
 import { Comparison } from './compare/compare';
 import { diagram } from './panels/diagram';
 import { h } from './panels/dom';
+import { embed, isEmbedded } from './panels/embed';
 import { equation } from './panels/equation';
+import { save } from './panels/exports';
 import { hand } from './panels/hand';
 import { Hub, type Cell } from './panels/hub';
 import { insideSwitch, type InsideSwitch } from './panels/inside';
@@ -18,6 +20,7 @@ import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
 import { parameters } from './panels/parameters';
 import { presets } from './panels/presets';
+import { recordButton } from './panels/record';
 import { restsWhileHidden } from './panels/rest';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
@@ -28,6 +31,7 @@ import { traces } from './panels/traces';
 import { Waits } from './panels/waits';
 import { keepOffline } from './offline';
 import type { About, Ask, Said } from './protocol';
+import { drawBeside, pngOf } from './scene/picture';
 import { Scene } from './scene/scene';
 import { Session } from './session';
 
@@ -105,7 +109,10 @@ function build(about: About): void {
   );
   panels.append(
     presets(hub), tools.element, parameters(hub), diagram(hub), comparison.panel.element, interventions(hub),
-    share(hub, () => scene.png()), equation(hub), newCell(hub), look(hub, scene),
+    share(hub, () => pngOf(comparison.canvases(true), cylinder), recordButton(hub, {
+      draw: (onto) => drawBeside(onto, comparison.canvases(false), cylinder),
+      save,
+    })), equation(hub), newCell(hub), look(hub, scene),
     h('p', { class: 'note foot' }, `cyclosis ${about.version}, after Woodhouse & Goldstein, PNAS 110 (2013).`),
   );
   if (matchMedia('(max-width: 820px)').matches) {
@@ -162,6 +169,7 @@ function build(about: About): void {
     },
   }, chosenEngine());
   restsWhileHidden(hub, () => session.isOpen);
+  if (isEmbedded()) embed(hub, stage);
   app.append(guide.element, help.element, session.banner);
   addEventListener('hashchange', () => {
     const { link } = parted(location.hash);

@@ -135,7 +135,7 @@ export type Said =
     }
   | { type: 'refused'; sentence: string }
   | { type: 'hash'; t: number; sha256: string }
-  | { type: 'curves'; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[]; applies: boolean }
+  | { type: 'curves'; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[]; applies: boolean; /** Whether only the server could compute them. */ elsewhere?: boolean }
   | { type: 'ended'; sentence: string }
   /** A new session, or the one with the given token; requests up to `received` have arrived. */
   | { type: 'welcome' | 'resumed'; token: string; received: number; preparing: Preparing | null }

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..model.errors import InputError
 from .about import about
-from .catalogue import catalogue
+from .catalogue import whole
 from .server import MISSING, PAGE
 
 POLICY = (
@@ -50,7 +50,7 @@ def write(folder: str | Path, page: Path = PAGE) -> int:
             text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {_HEAD}'.rstrip())
         )
         (target / "api").mkdir()
-        for name, found in (("about", about()), ("engine", catalogue(theory=True))):
+        for name, found in (("about", about()), ("engine", whole())):
             (target / "api" / name).write_text(json.dumps(found, separators=(",", ":"), allow_nan=False))
         _list(target)
     except OSError as error:

@@ -130,6 +130,12 @@ export class Comparison {
     this.second?.moveToBrowser();
   }
 
+  /** The pictures of the cells that are shown, drawn now. */
+  canvases(everything: boolean): HTMLCanvasElement[][] {
+    const scenes = this.on && this.second ? [this.parts.scene, this.second.scene] : [this.parts.scene];
+    return scenes.flatMap((scene) => scene.canvases(everything));
+  }
+
   get active(): boolean {
     return this.on !== null;
   }

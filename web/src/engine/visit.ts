@@ -224,13 +224,12 @@ export class Visit {
     });
   }
 
-  /** The curves of theory where they are stored: for the parameters of the paper. Others need Python. */
-  private curves(cell: Cell): { curves: NonNullable<Catalogue['curves']>['curves']; applies: boolean } {
-    const { curves } = this.about;
+  /** The curves of theory where they are stored: for the parameters of the presets. Others need Python. */
+  private curves(cell: Cell): { curves: Catalogue['curves'][number]['curves']; applies: boolean; elsewhere: boolean } {
     const now = cell.live.paramsNow as unknown as Table;
     const applies = Object.values(now).every((value) => typeof value !== 'object');
-    const same = curves && Object.entries(curves.parameters).every(([name, value]) => ['alpha_p', 'alpha_u'].includes(name) || now[name] === value);
-    return { curves: applies && same ? curves.curves : [], applies };
+    const found = this.about.curves.find(({ parameters }) => Object.entries(parameters).every(([name, value]) => now[name] === value));
+    return { curves: (applies && found?.curves) || [], applies, elsewhere: applies && !found };
   }
 
   private async digest(cell: Cell): Promise<void> {

@@ -119,6 +119,7 @@ export function diagram(hub: Hub): HTMLElement {
       ? `The shades were computed with other values of ${names.join(', ')} and are dimmed. ${caption}`
       : caption;
     if (curves && !curves.applies) note.append(' The lines of theory do not apply to this cell.');
+    if (curves?.elsewhere) note.append(' The lines of theory for these parameters need cyclosis explore, and so Python.');
   };
   const go = (a: number, b: number): void => hub.ask({ do: 'change', values: { alpha_p: round(a), alpha_u: round(b) } });
   // Theory takes the server a while: lines are requested only while they are visible.

@@ -113,7 +113,7 @@ async function reason(answer: Response): Promise<string> {
   return `The file could not be made (status ${answer.status}).`;
 }
 
-function save(blob: Blob, name: string): void {
+export function save(blob: Blob, name: string): void {
   const address = URL.createObjectURL(blob);
   h('a', { href: address, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);

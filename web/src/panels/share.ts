@@ -4,7 +4,7 @@ import { exportsOf } from './exports';
 import { throttle } from './throttle';
 
 /** The cell as an address, a fingerprint and files. */
-export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
+export function share(hub: Hub, png: () => Promise<Blob>, record: HTMLElement): HTMLElement {
   // Browsers refuse an address that changes too often.
   const writeAddress = throttle((link: string) => history.replaceState(null, '', `#${link}`), 350);
   // A hidden page requests nothing, so that its cell can end.
@@ -32,6 +32,7 @@ export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
     h('div', { class: 'row wrap' }, copy, askHash),
     copied, hash,
     ...exportsOf(hub, png),
+    record,
   );
 }
 

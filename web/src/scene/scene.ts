@@ -6,7 +6,6 @@ import { Cylinder } from './cylinder';
 import { Fields } from './fields';
 import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
-import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
@@ -224,12 +223,11 @@ export class Scene {
     this.stale = this.dirty = true;
   }
 
-  async png(): Promise<Blob> {
-    // Drawn immediately before: the browser does not keep a WebGL picture.
-    this.draw(performance.now(), true);
+  /** The canvases of cylinder and map, each to be laid over one another, drawn now: the browser keeps no WebGL picture. */
+  canvases(everything: boolean): HTMLCanvasElement[][] {
+    this.draw(performance.now(), everything);
     const map = [this.map.still, this.map.moving];
-    const groups = this.cylinder && !this.lost ? [[this.canvas], map] : [map];
-    return beside(groups, this.options.cylinder);
+    return this.cylinder && !this.lost ? [[this.canvas], map] : [map];
   }
 
   private readonly onLost = (event: Event): void => {
