@@ -9,7 +9,7 @@ from pathlib import Path
 import cyclosis
 
 sys.path.insert(0, str(Path(__file__).parent))
-import living  # noqa: E402
+import living
 
 project = "cyclosis"
 author = "The cyclosis developers"

@@ -1,6 +1,7 @@
-"""Living cells in the site: the explorer's page as part of it, a small cell on the front page, links to set-ups.
+"""Living cells in the site: the explorer's page, a small cell on the front page, links to set-ups.
 
-The page is part of the site where it was built (`make page`). Elsewhere a picture or a sentence takes its place.
+The page is part of the site where it was built (`make page`). Elsewhere a picture or a sentence is shown
+instead.
 """
 
 import html
@@ -73,7 +74,9 @@ class TryIt(Directive):
             command = nodes.literal(text="cyclosis explore")
             return [nodes.paragraph("", "", command, nodes.Text(" shows such cells in the browser."))]
         link = address(self.state.document.settings.env.docname, CELLS[name])
-        text = f'<p><a class="try-it" href="{html.escape(link)}">▶ Try it</a>: such a cell in this browser.</p>'
+        text = (
+            f'<p><a class="try-it" href="{html.escape(link)}">▶ Try it</a>: such a cell in this browser.</p>'
+        )
         return [nodes.raw("", text, format="html")]
 
 
@@ -90,8 +93,8 @@ class LivingCell(Directive):
             return node.children
         document = self.state.document.settings.env.docname
         frame = (
-            '<iframe class="living-cell" loading="lazy" title="A living cell: disordered filaments become two opposite '
-            f'streams" src="{html.escape(address(document, FRONT, embedded=True))}" '
+            '<iframe class="living-cell" loading="lazy" title="A living cell: disordered filaments become two'
+            f' opposite streams" src="{html.escape(address(document, FRONT, embedded=True))}" '
             'style="width: 100%; height: 22rem; border: 0; border-radius: 8px"></iframe>'
         )
         return [nodes.raw("", frame, format="html")]

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 import cyclosis
-from measure.pages import opened
+from measure.pages import export, opened, picture
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 SIZES = {"desktop": (1440, 900), "phone": (390, 844)}
@@ -48,14 +48,6 @@ def play(page, on=True):
 
 def unfold(page):
     page.evaluate("document.querySelectorAll('details').forEach(each => { each.open = true; })")
-
-
-def export(page, kind, target):
-    """Press a button of the exports and return where its file lies."""
-    with page.expect_download(timeout=120_000) as found:
-        page.locator(f"#export-{kind}").press("Enter")
-    found.value.save_as(target)
-    return target
 
 
 def seen(page):
@@ -187,12 +179,6 @@ def test_with_keys_alone_a_cell_is_wounded_and_the_tour_walked(page):
         page.locator("#tour-next").press("Enter")
     assert len(set(seen)) == 6
     assert page.locator("#tour-card").is_hidden()
-
-
-def picture(page, where):
-    """What is seen of an element, as (rows, columns, rgb)."""
-    with Image.open(io.BytesIO(page.locator(where).screenshot())) as shot:
-        return np.asarray(shot.convert("RGB")).astype(int)
 
 
 def begin(page, preset):

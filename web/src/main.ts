@@ -37,7 +37,7 @@ import { Session } from './session';
 
 declare global {
   interface Window {
-    cyclosis: { statistics(): Record<string, unknown>; latest(): Cell | null; other(): { t: number; link: string } | null };
+    cyclosis: { statistics(): Record<string, unknown>; latest(): Cell | null; other(): { t: number; link: string } | null; order(): number | null };
   }
 }
 
@@ -177,6 +177,7 @@ function build(about: About): void {
   });
   window.cyclosis = {
     other: () => comparison.other,
+    order: () => hub.frame?.regime?.order ?? null,
     statistics: () => ({
       ...scene.statistics,
       t: hub.frame?.t ?? hub.cell?.t ?? 0,

@@ -71,7 +71,7 @@ class Speed(_Ask):
 
 
 class Reach(_Ask):
-    """Compute up to a frame as fast as possible, and stand still there: cells that are compared share their times."""
+    """Compute up to a frame as fast as possible, and stand still there, as cells that are compared do."""
 
     do: Literal["reach"]
     frame: Annotated[int, Field(ge=0, le=1_000_000)]

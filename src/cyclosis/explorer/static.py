@@ -72,5 +72,7 @@ def _list(target: Path) -> None:
         digest.update(name.encode() + b"\0" + path.read_bytes())
     # A folder's address is that of its page.
     kept = json.dumps(["./", *names])
-    text = text.replace("VERSION = ''", f"VERSION = '{digest.hexdigest()[:16]}'").replace("FILES = []", f"FILES = {kept}")
+    text = text.replace("VERSION = ''", f"VERSION = '{digest.hexdigest()[:16]}'").replace(
+        "FILES = []", f"FILES = {kept}"
+    )
     script.write_text(text, encoding="utf-8")

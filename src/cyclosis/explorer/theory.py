@@ -23,12 +23,12 @@ DIGITS = 6
 
 
 def described() -> list[Parameters]:
-    """Return the parameters of the table: those of the presets of the cylinder, and those to which they change.
+    """Return the parameters of the table: those of the presets of the cylinder, and their changes.
 
     The axes of the diagram, α_p and α_u, have their defaults.
     """
     known = {each.name for each in PARAMETERS} - {"alpha_p", "alpha_u"}
-    found: list[dict[str, Any]] = []
+    found: list[Parameters] = []
     for item in PRESETS:
         if item.tables.get("model", {}).get("kind", polar.name) != polar.name:
             continue
@@ -36,9 +36,10 @@ def described() -> list[Parameters]:
         for step in ({}, *item.protocol):
             names = step if step.get("action") == "change" and "where" not in step else {}
             values = {name: value for name, value in (own | names).items() if name in known}
-            if values not in found:
-                found.append(values)
-    return [Parameters(**values) for values in found]
+            params = Parameters(**values)
+            if params not in found:
+                found.append(params)
+    return found
 
 
 def entry(params: Parameters) -> dict[str, Any]:
@@ -65,7 +66,9 @@ def _rounded(values: list[float | None]) -> list[float | None]:
 
 def _main() -> None:
     table = [entry(params) for params in described()]
-    Path(__file__).with_name(NAME).write_text(json.dumps(table, separators=(",", ":"), allow_nan=False) + "\n")
+    Path(__file__).with_name(NAME).write_text(
+        json.dumps(table, separators=(",", ":"), allow_nan=False) + "\n"
+    )
 
 
 if __name__ == "__main__":
