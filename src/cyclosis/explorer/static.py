@@ -46,8 +46,9 @@ def write(folder: str | Path, page: Path = PAGE) -> int:
         index = target / "index.html"
         text = index.read_text(encoding="utf-8")
         # The policy comes before everything that it applies to.
+        head = _HEAD + _early(target)
         index.write_text(
-            text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {_HEAD}'.rstrip())
+            text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {head}'.rstrip())
         )
         (target / "api").mkdir()
         for name, found in (("about", about()), ("engine", whole())):
@@ -59,6 +60,16 @@ def write(folder: str | Path, page: Path = PAGE) -> int:
             "static", str(target), "a folder that can be written", f"check the path ({reason})"
         ) from error
     return sum(path.stat().st_size for path in target.rglob("*") if path.is_file())
+
+
+def _early(target: Path) -> str:
+    """Return links that load what the page needs later together with its script: it opens sooner."""
+    worker = [path.relative_to(target).as_posix() for path in target.glob("assets/worker-*.js")]
+    links = [
+        f'<link rel="preload" href="api/{name}" as="fetch" crossorigin />' for name in ("about", "engine")
+    ]
+    links += [f'<link rel="modulepreload" href="{name}" />' for name in worker]
+    return "".join(f"{link}\n    " for link in links)
 
 
 def _list(target: Path) -> None:

@@ -18,8 +18,8 @@ from .about import curves
 from .presets import PRESETS
 
 NAME = "theory.json"
-DIGITS = 6
-"""Significant digits that are stored: more than a picture shows."""
+DIGITS, POINTS = 6, 200
+"""Significant digits and points of a curve that are stored: more than a picture shows."""
 
 
 def described() -> list[Parameters]:
@@ -61,7 +61,8 @@ def stored() -> list[dict[str, Any]]:
 
 
 def _rounded(values: list[float | None]) -> list[float | None]:
-    return [None if value is None else float(f"{value:.{DIGITS}g}") for value in values]
+    every = -(-len(values) // POINTS)
+    return [None if value is None else float(f"{value:.{DIGITS}g}") for value in values[::every]]
 
 
 def _main() -> None:

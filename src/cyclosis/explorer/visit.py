@@ -261,6 +261,7 @@ class Visit:
             self.due = clock.monotonic()
             if not self.playing:
                 await self._to_frame(cell)
+                self.stale = True  # the picture is of the time that is told
             await self._tell()
 
     async def _curves(self, params: Parameters, straight: bool) -> None:

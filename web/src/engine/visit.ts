@@ -126,7 +126,10 @@ export class Visit {
         this.playing = ask.do === 'play';
         this.goal = null;
         this.due = this.around.now();
-        if (!this.playing) toFrame(cell);
+        if (!this.playing) {
+          toFrame(cell);
+          this.stale = true; // the picture is of the time that is told
+        }
         break;
       case 'reach':
         this.playing = false;
