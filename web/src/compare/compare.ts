@@ -99,7 +99,10 @@ export class Comparison {
   /** What the first cell says, with the pace of both. */
   hears(said: Said): Said {
     const { on } = this;
-    if (said.type === 'refused') on?.pair.refused();
+    if (said.type === 'refused') {
+      on?.pair.refused();
+      if (this.resting) queueMicrotask(() => this.end()); // a cell that cannot go on
+    }
     if (said.type !== 'cell') return said;
     if (said.fresh && this.coming) {
       const { name, link } = this.coming;
