@@ -64,6 +64,8 @@ export class Connection {
   private readonly unanswered = new Map<string, Ask>();
   /** Questions whose answers were lost with a connection. */
   private lost: Ask[] = [];
+  /** Requests that wait until a cell that is recomputed is at the time at which they were made. */
+  private late: Ask[] = [];
   private ended = '';
   private readonly looking: ReturnType<typeof setInterval>;
 
@@ -182,7 +184,10 @@ export class Connection {
       if (said.type === 'cell') {
         this.unsure = this.unsure.filter(({ n }) => n > said.done);
         // A cell that is recomputed up to the time that was shown is not yet the one that was asked about.
-        if (said.catching_up === null) this.lost.splice(0).forEach((question) => this.send(question));
+        if (said.catching_up === null) {
+          this.late.splice(0).forEach((message) => this.ask(message));
+          this.lost.splice(0).forEach((question) => this.send(question));
+        }
       }
       this.unanswered.delete(said.type);
       this.listener.said(said);
@@ -192,10 +197,12 @@ export class Connection {
   /** Begin a cell in a new session, and repeat the requests that the previous one never processed. */
   private begin(again: boolean): void {
     this.ready = true;
-    const left = this.unsure.splice(0);
+    const left = [...this.late.splice(0), ...this.unsure.splice(0)];
     const last = left.findLastIndex((message) => message.do === 'begin');
-    if (last < 0) this.listener.begin(again);
-    for (const message of left.slice(Math.max(0, last))) this.ask(message);
+    if (last < 0) {
+      this.late = left;
+      this.listener.begin(again);
+    } else for (const message of left.slice(last)) this.ask(message);
   }
 
   private send(message: Ask): void {

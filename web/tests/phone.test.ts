@@ -142,7 +142,15 @@ describe('a cell that goes on in the browser', () => {
     const [engine] = made;
     expect(engine!.posted[0]).toBe(CATALOGUE);
     const asked = engine!.posted.slice(1).map((text) => JSON.parse(String(text)) as Ask);
-    expect(asked.map((ask) => ask.do)).toEqual(['begin', 'drug']);
+    expect(asked.map((ask) => ask.do)).toEqual(['begin']);
+    // What nobody heard is done at the time at which it was asked for, which the cell must reach first.
+    const answers = (said: object): void => engine!.onmessage?.call(engine as never, { data: JSON.stringify(said) } as MessageEvent);
+    answers({ type: 'cell', done: 2, catching_up: 7 });
+    expect(engine!.posted).toHaveLength(2);
+    answers({ type: 'cell', done: 2, catching_up: null });
+    expect(JSON.parse(String(engine!.posted[2]))).toMatchObject({ do: 'drug', name: 'cytochalasin' });
+    answers({ type: 'cell', done: 3, catching_up: null });
+    expect(engine!.posted).toHaveLength(3);
     expect(asked[0]).toMatchObject({ link: 'L', t: 7, playing: true });
     reserve.socket();
     expect(made).toHaveLength(2);
