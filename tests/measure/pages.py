@@ -38,7 +38,7 @@ def makers(server):
     return found
 
 
-def wait(page, condition, seconds=60):
+def wait(page, condition, seconds=90):
     """Wait for a condition on `cell`, told last, and `other`, the second of two; `find` finds elements."""
     end = time.monotonic() + seconds
     while not page.evaluate(f"(() => {{ {TOLD} return Boolean(cell && ({condition})); }})()"):

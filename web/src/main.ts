@@ -172,8 +172,10 @@ function build(about: About): void {
   if (isEmbedded()) embed(hub, stage);
   app.append(guide.element, help.element, session.banner);
   addEventListener('hashchange', () => {
-    const { link } = parted(location.hash);
-    if (link && link !== hub.link) hub.ask({ do: 'begin', link });
+    const { link, other } = parted(location.hash);
+    if (!link || link === hub.link) return;
+    comparison.open(other);
+    hub.ask({ do: 'begin', link });
   });
   window.cyclosis = {
     other: () => comparison.other,

@@ -60,6 +60,12 @@ export class Comparison {
     hub.on('look', () => this.second?.repaint());
   }
 
+  /** Another address: the second cell in it, if there is one, is begun once the first one has begun. */
+  open(other: Address['other']): void {
+    this.end();
+    this.coming = other;
+  }
+
   /** Whether a request of the page is dealt with here. */
   asks(ask: Ask): boolean {
     const { on, second } = this;
