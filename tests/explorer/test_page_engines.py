@@ -88,7 +88,7 @@ def test_every_feature_by_keys_alone(way, tmp_path):
     assert page.evaluate("document.querySelectorAll('#charts .chart').length") == 5
     # The address, files, and movies.
     press(page, "#ask-hash")
-    wait(page, "find('#hash').dataset.sha256.length === 64")
+    wait(page, "find('#hash').dataset.sha256?.length === 64")
     wait(page, "location.hash.slice(1) === cell.link")
     cell = page.evaluate("window.cyclosis.latest()")
     table = tomllib.loads(export(page, "toml", tmp_path / "cell.toml").read_text())
@@ -104,7 +104,7 @@ def test_every_feature_by_keys_alone(way, tmp_path):
     with av.open(found.value.path()) as movie:
         frames = [frame.to_ndarray(format="gray") for frame in movie.decode(video=0)]
     assert len(frames) > 3
-    assert frames[-1].std() > 10
+    assert frames[-1].std() > 4  # a plain one has 0
     if here:
         for kind in ("nc", "movie"):
             press(page, f"#export-{kind}")
@@ -133,6 +133,7 @@ def accessible(page):
     )
 
 
+@pytest.mark.parametrize("way", WAYS[1:3], indirect=True, ids=["-".join(way) for way in WAYS[1:3]])
 def test_two_cells_differ_in_one_parameter_only(way):
     _, page, _ = way
     press(page, "#play")
