@@ -151,8 +151,8 @@ def test_two_cells_differ_in_one_parameter_only(way):
         page,
         "!cell.playing && other.t === window.cyclosis.statistics().t && location.hash.includes(other.link)",
     )
-    t = page.evaluate("window.cyclosis.latest().t")
     wait(page, "cell.t === other.t && location.hash.slice(1).startsWith(cell.link)")
+    t = page.evaluate("window.cyclosis.latest().t")
     links = [
         setup.from_link(page.evaluate(of))
         for of in ("window.cyclosis.latest().link", "window.cyclosis.other().link")
