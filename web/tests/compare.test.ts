@@ -126,7 +126,7 @@ describe('two cells at one time', () => {
     expect(both.times[1]).toBeGreaterThan(5);
     deaf.add(1);
     both.run(6500);
-    both.pair.refused();
+    for (let k = 0; k < 3; k += 1) both.pair.refused();
     const { length } = both.sent[1];
     both.run(20_000);
     expect(both.pair.playing).toBe(false);

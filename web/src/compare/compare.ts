@@ -166,7 +166,7 @@ export class Comparison {
     }
     const second = (this.second ??= this.made());
     this.parts.close();
-    const pair = new Pair([ask, (each) => second.ask(each)], () => this.every);
+    const pair = new Pair([ask, (each) => second.hub.cell && second.ask(each)], () => this.every);
     pair.speed = cell.speed;
     pair.playing = cell.playing;
     this.on = { name, value, pair };

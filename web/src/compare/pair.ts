@@ -3,6 +3,8 @@ import type { Ask } from '../protocol';
 /** Milliseconds between pictures, and after which a request is repeated that has not been answered. */
 const BETWEEN = 1000 / 30;
 const REPEAT = 2000;
+/** Refusals without a picture after which a cell counts as one that cannot go on. */
+const MOST_REFUSALS = 3;
 
 export interface Clock {
   now(): number;
@@ -28,6 +30,7 @@ export class Pair {
   private asked = 0;
   private ended = false;
   private waiting = false;
+  private refusals = 0;
 
   constructor(
     private readonly send: [(ask: Ask) => void, (ask: Ask) => void],
@@ -53,6 +56,7 @@ export class Pair {
   /** A picture of a cell has arrived. */
   came(which: 0 | 1, frame: number): void {
     this.at[which] = frame;
+    this.refusals = 0;
     // One that was further than was known: the other follows.
     if (frame > this.target) this.reach(frame);
     this.onward();
@@ -79,7 +83,8 @@ export class Pair {
 
   /** A request was refused: a cell that cannot go on stands still. */
   refused(): void {
-    if (this.together) return;
+    this.refusals += 1;
+    if (this.together || this.refusals < MOST_REFUSALS) return;
     this.playing = false;
     this.stuck = true;
   }
