@@ -8,6 +8,9 @@ from pathlib import Path
 
 import cyclosis
 
+sys.path.insert(0, str(Path(__file__).parent))
+import living
+
 project = "cyclosis"
 author = "The cyclosis developers"
 copyright = author
@@ -111,3 +114,4 @@ def setup(app):
     """Have docstrings and signatures passed through the functions above."""
     app.connect("autodoc-process-docstring", as_rst)
     app.connect("autodoc-process-signature", in_short)
+    living.add_to(app)

@@ -178,7 +178,7 @@ def example(path: Path) -> str:
     return (
         "---\nfile_format: mystnb\nkernelspec:\n  name: python3\nmystnb:\n  execution_in_temp: false\n---\n\n"
         + NOTE
-        + f"# {title}\n\n{text}\n\n"
+        + f"# {title}\n\n{text}\n\n```{{try-it}} {path.stem}\n```\n\n"
         + f"```{{code-cell}}\n:tags: [remove-input]\n\n{cell}```\n\n"
         + f"```{{code-cell}}\n:tags: [remove-input]\n\n{told}```\n\n"
         + f"`examples/{path.name}`:\n\n"

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 import cyclosis
-from measure.pages import latest, opened, unfold, wait
+from measure.pages import export, latest, opened, picture, unfold, wait
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 SIZES = {"desktop": (1440, 900), "phone": (390, 844)}
@@ -30,14 +30,6 @@ def play(page, on=True):
     if (page.get_attribute("#play", "aria-pressed") == "true") != on:
         page.locator("#play").press("Enter")
     wait(page, f"cell.playing === {str(on).lower()}")
-
-
-def export(page, kind, target):
-    """Press a button of the exports and return where its file lies."""
-    with page.expect_download(timeout=120_000) as found:
-        page.locator(f"#export-{kind}").press("Enter")
-    found.value.save_as(target)
-    return target
 
 
 def seen(page):
@@ -169,12 +161,6 @@ def test_with_keys_alone_a_cell_is_wounded_and_the_tour_walked(page):
         page.locator("#tour-next").press("Enter")
     assert len(set(seen)) == 6
     assert page.locator("#tour-card").is_hidden()
-
-
-def picture(page, where):
-    """What is seen of an element, as (rows, columns, rgb)."""
-    with Image.open(io.BytesIO(page.locator(where).screenshot())) as shot:
-        return np.asarray(shot.convert("RGB")).astype(int)
 
 
 def begin(page, preset):

@@ -49,6 +49,41 @@ def header(data):
     return json.loads(data[8 : 8 + struct.unpack("<I", data[:4])[0]])
 
 
+def shown(socket, enough):
+    """Return the header of the first picture that is enough."""
+    for _ in range(200):
+        message = socket.receive()
+        if message.get("bytes"):
+            found = header(message["bytes"])
+            ask(socket, do="seen", frame=found["frame"])
+            if enough(found):
+                return found
+    raise AssertionError("no such picture was sent")
+
+
+def test_a_cell_goes_to_a_frame_and_stands_still_there(client):
+    with connect(client) as socket:
+        ask(socket, do="begin", setup=SETUP)
+        ask(socket, do="play")
+        ask(socket, do="reach", frame=7)
+        shown(socket, lambda found: found["frame"] == 7)
+        ask(socket, do="reach", frame=7)  # the picture is sent again: it may have been lost
+        assert shown(socket, lambda found: True)["frame"] == 7
+        ask(socket, do="reach", frame=3)
+        assert shown(socket, lambda found: True)["frame"] == 7
+        ask(socket, do="tell")
+        cell = said(socket, "cell")
+        while not cell["t"]:
+            cell = said(socket, "cell")
+        assert (cell["t"], cell["playing"]) == (0.7, False)
+        ask(socket, do="play")
+        shown(socket, lambda found: found["frame"] > 9)
+        ask(socket, do="pause")
+        while (cell := said(socket, "cell"))["playing"]:
+            pass
+        assert shown(socket, lambda found: True)["t"] == cell["t"]  # that of the time that is told
+
+
 def test_a_cell_plays_pauses_and_tells_the_same_hash_through_a_link(client):
     with connect(client) as socket:
         ask(socket, do="begin", setup=SETUP)

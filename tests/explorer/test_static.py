@@ -3,8 +3,11 @@
 import functools
 import http.server
 import json
+import re
+import shutil
 import threading
 import time
+from contextlib import contextmanager, suppress
 
 import pytest
 from typer.testing import CliRunner
@@ -26,13 +29,14 @@ def page(tmp_path):
     (folder / "assets").mkdir(parents=True)
     (folder / "index.html").write_text(HEAD)
     (folder / "assets" / "index.js").write_text("1;")
+    (folder / "offline.js").write_text("const VERSION = '';\nconst FILES = [];\n")
     return folder
 
 
 @pytest.fixture
 def untheoretical(monkeypatch):
     """Leave out the curves of theory, which take seconds."""
-    monkeypatch.setattr(static, "catalogue", lambda theory: {"theory": theory})
+    monkeypatch.setattr(static, "whole", lambda: {"theory": True})
 
 
 def test_files(page, tmp_path, untheoretical):
@@ -49,6 +53,22 @@ def test_files(page, tmp_path, untheoretical):
     assert not any(word in text for word in ("unsafe-eval", "http:", "https:"))
     assert json.loads(files["api/engine"].read_text()) == {"theory": True}
     assert json.loads(files["api/about"].read_text())["presets"]
+
+
+def test_the_service_worker_keeps_all_files_under_a_name_of_their_own(page, tmp_path, untheoretical):
+    """The name, and so the script that a browser compares, changes with any file."""
+    first, again, other = (tmp_path / name for name in ("first", "again", "other"))
+    static.write(first, page)
+    static.write(again, page)
+    (page / "assets" / "index.js").write_text("2;")
+    static.write(other, page)
+    script = (first / "offline.js").read_text()
+    assert json.loads(re.search(r"FILES = (\[.+\]);", script)[1]) == [
+        *("./", "api/about", "api/engine", "assets/index.js", "index.html")
+    ]
+    assert re.search(r"VERSION = '[0-9a-f]{16}';", script)
+    assert script == (again / "offline.js").read_text()
+    assert script != (other / "offline.js").read_text()
 
 
 @pytest.mark.parametrize("there", ["file", "full"])
@@ -71,18 +91,24 @@ def test_a_page_that_is_not_built_is_refused(tmp_path, untheoretical):
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    """Write the files as a user does and serve them under a path; yield its address."""
+def root(tmp_path_factory):
+    """Return a folder in which the files lie under some/path, written as a user writes them."""
     if not (PAGE / "index.html").exists():
         pytest.skip("the explorer's page is not built: install Node.js 20.19 or newer and run `make page`")
     root = tmp_path_factory.mktemp("site")
     told = CliRunner().invoke(app, ["explore", "--static", str(root / "some" / "path")])
     assert told.exit_code == 0, told.output
+    return root
+
+
+@contextmanager
+def served(root, port=0):
+    """Serve a folder as `python -m http.server` does; yield the address of the page."""
     handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=str(root))
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}/some/path/"
-    server.shutdown()
+    with http.server.ThreadingHTTPServer(("127.0.0.1", port), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/some/path/"
+        server.shutdown()
 
 
 def wait(page, expression, seconds=60):
@@ -104,8 +130,8 @@ def fingerprint(page):
 @pytest.mark.slow
 @pytest.mark.browser
 @pytest.mark.parametrize("size", SIZES)
-def test_a_cell_lives_without_a_server(browser, address, size):
-    with opened(browser, address, SIZES[size]) as page:
+def test_a_cell_lives_without_a_server(browser, root, size):
+    with served(root) as address, opened(browser, address, SIZES[size]) as page:
         asked, errors = [], []
         page.on("request", lambda request: asked.append(request.url))
         page.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
@@ -121,3 +147,52 @@ def test_a_cell_lives_without_a_server(browser, address, size):
         assert fingerprint(page) == digest
         assert all(url.startswith((address, "data:", "blob:")) for url in asked), asked
         assert not errors, errors
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_it_lives_without_a_network_and_a_new_release_replaces_it(browser, root, tmp_path):
+    site = tmp_path / "site"
+    shutil.copytree(root, site)
+    here = site / "some" / "path"
+    driver = pytest.importorskip("playwright.sync_api")
+    begun = "cell.preset === 'figure4' && window.cyclosis.statistics().lastShown >= 0"
+    context = browser.new_context(viewport={"width": 390, "height": 844})
+    page, errors = context.new_page(), []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    with served(site) as address:
+        page.goto(address)
+        wait(page, begun)
+        page.evaluate("navigator.serviceWorker.ready.then(() => true)")
+    port = int(address.split(":")[2].split("/")[0])
+    page.goto("about:blank")
+    page.goto(address)  # nobody answers there any more
+    wait(page, begun)
+    page.locator("#play").press("Enter")
+    wait(page, "cell.playing && window.cyclosis.statistics().t >= 1")
+    about = json.loads((here / "api" / "about").read_text())
+    (here / "api" / "about").write_text(json.dumps(about | {"version": "another"}))
+    old = (here / "offline.js").read_text()
+    (here / "offline.js").write_text(re.sub(r"VERSION = '\w+'", "VERSION = 'another'", old))
+    version = "document.querySelector('.foot').innerText.includes('another')"
+    with served(site, port):
+        page.goto(address)
+        wait(page, begun)
+        assert not page.evaluate(version)  # files of one release go together
+        waits = "navigator.serviceWorker.getRegistration().then((each) => Boolean(each.waiting))"
+        end = time.monotonic() + 20
+        while not page.evaluate(waits):
+            assert time.monotonic() < end
+            time.sleep(0.1)
+        page.goto(address)
+        end = time.monotonic() + 20
+        while True:
+            with suppress(driver.Error):  # the page loads again when the release takes over
+                if page.evaluate(f"document.querySelector('.foot') && {version}"):
+                    break
+            assert time.monotonic() < end
+            time.sleep(0.1)
+        wait(page, begun)
+        assert page.evaluate("caches.keys()") == ["cyclosis-another"]
+    context.close()
+    assert not errors, errors

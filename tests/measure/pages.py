@@ -1,9 +1,15 @@
 """The explorer's page in a browser, and the processes of its server."""
 
+import io
 import time
 from contextlib import contextmanager, suppress
 
+import numpy as np
 import psutil
+from PIL import Image
+
+TOLD = """const cell = window.cyclosis?.latest(), other = window.cyclosis?.other(),
+  find = (name) => document.querySelector(name), regime = find('#regime')?.innerText;"""
 
 
 @contextmanager
@@ -28,11 +34,13 @@ def latest(page):
     return page.evaluate("window.cyclosis.latest()")
 
 
-def wait(page, condition, seconds=60):
-    """Wait for a condition on `cell`, the latest that the server told, and `regime`, what the page says."""
-    told = "const cell = window.cyclosis?.latest(), regime = document.querySelector('#regime')?.innerText"
+def wait(page, condition, seconds=90):
+    """Wait for a condition on `cell`, told last, `other`, the second of two, `regime`, what the page says of it.
+
+    `find` finds elements.
+    """
     end = time.monotonic() + seconds
-    while not page.evaluate(f"(() => {{ {told}; return Boolean(cell && ({condition})); }})()"):
+    while not page.evaluate(f"(() => {{ {TOLD} return Boolean(cell && ({condition})); }})()"):
         assert time.monotonic() < end, f"{condition} did not come true in {seconds} s: {latest(page)}"
         time.sleep(0.05)
 
@@ -49,3 +57,17 @@ def makers(server):
         with suppress(psutil.NoSuchProcess):  # a zombie is one, too
             found += [child] if "cyclosis.explorer.maker" in child.cmdline() else []
     return found
+
+
+def export(page, kind, target):
+    """Press a button of the exports and return where its file lies."""
+    with page.expect_download(timeout=120_000) as found:
+        page.locator(f"#export-{kind}").press("Enter")
+    found.value.save_as(target)
+    return target
+
+
+def picture(page, where):
+    """What is seen of an element, as (rows, columns, rgb)."""
+    with Image.open(io.BytesIO(page.locator(where).screenshot())) as shot:
+        return np.asarray(shot.convert("RGB")).astype(int)

@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter, shift
 
 import cyclosis as cy
 from cyclosis.observations import film
-from cyclosis.observations.films import light, measuring, moving, steady, trial
+from cyclosis.observations.films import measuring, moving, steady, trial
 from observed import RUN
 
 pytest.importorskip("skimage")

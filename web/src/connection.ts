@@ -33,7 +33,7 @@ const OPEN = 1;
 /** Questions: each is repeated over the next connection until the answer, a message of the same name, arrives. */
 const QUESTIONS = new Set<string>(['hash', 'curves'] satisfies (Ask['do'] & Said['type'])[]);
 /** Requests that the server does not count: questions, and those that need not be repeated. */
-const UNCOUNTED = new Set<Ask['do']>(['seen', 'tell', 'hash', 'curves', 'alive', 'ping', 'leave', 'resume']);
+const UNCOUNTED = new Set<Ask['do']>(['seen', 'tell', 'hash', 'curves', 'alive', 'ping', 'leave', 'resume', 'reach']);
 
 /** The address of the cell, next to that of this page. */
 export function cellAddress(location: { href: string }): string {
@@ -64,15 +64,18 @@ export class Connection {
   private readonly unanswered = new Map<string, Ask>();
   /** Questions whose answers were lost with a connection. */
   private lost: Ask[] = [];
+  /** Requests that wait until a cell that is recomputed is at the time at which they were made. */
+  private late: Ask[] = [];
   private ended = '';
+  private readonly looking: ReturnType<typeof setInterval>;
 
   constructor(
     private readonly listener: Listener,
-    private readonly make: () => Socket = () => new WebSocket(cellAddress(location)),
+    private make: () => Socket = () => new WebSocket(cellAddress(location)),
     private readonly now: () => number = Date.now, // keeps counting while a machine sleeps
   ) {
     this.looked = now();
-    setInterval(() => this.look(), LOOK);
+    this.looking = setInterval(() => this.look(), LOOK);
   }
 
   get isOpen(): boolean {
@@ -101,6 +104,21 @@ export class Connection {
         else this.listener.frame(readFrame(data));
       } else this.hear(JSON.parse(data) as Said);
     };
+  }
+
+  /** Continue over other sockets, of another engine: the cell begins there anew, with the requests that did not arrive. */
+  moveTo(make: () => Socket): void {
+    this.make = make;
+    this.token = '';
+    this.open();
+  }
+
+  /** End the session, and do not come back. */
+  end(): void {
+    clearInterval(this.looking);
+    this.leave();
+    this.drop();
+    this.over = true;
   }
 
   /** Send a request; without a session nothing is sent, and false is returned. */
@@ -166,7 +184,10 @@ export class Connection {
       if (said.type === 'cell') {
         this.unsure = this.unsure.filter(({ n }) => n > said.done);
         // A cell that is recomputed up to the time that was shown is not yet the one that was asked about.
-        if (said.catching_up === null) this.lost.splice(0).forEach((question) => this.send(question));
+        if (said.catching_up === null) {
+          this.late.splice(0).forEach((message) => this.ask(message));
+          this.lost.splice(0).forEach((question) => this.send(question));
+        }
       }
       this.unanswered.delete(said.type);
       this.listener.said(said);
@@ -176,10 +197,12 @@ export class Connection {
   /** Begin a cell in a new session, and repeat the requests that the previous one never processed. */
   private begin(again: boolean): void {
     this.ready = true;
-    const left = this.unsure.splice(0);
+    const left = [...this.late.splice(0), ...this.unsure.splice(0)];
     const last = left.findLastIndex((message) => message.do === 'begin');
-    if (last < 0) this.listener.begin(again);
-    for (const message of left.slice(Math.max(0, last))) this.ask(message);
+    if (last < 0) {
+      this.late = left;
+      this.listener.begin(again);
+    } else for (const message of left.slice(last)) this.ask(message);
   }
 
   private send(message: Ask): void {

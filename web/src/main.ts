@@ -1,9 +1,13 @@
 import 'uplot/dist/uPlot.min.css';
 import './style.css';
-import { chosenEngine } from './engine/socket';
+import { browserAddress, chosenEngine } from './engine/socket';
+import { parted } from './compare/address';
+import { Comparison } from './compare/compare';
 import { diagram } from './panels/diagram';
 import { h } from './panels/dom';
+import { embed, isEmbedded } from './panels/embed';
 import { equation } from './panels/equation';
+import { save } from './panels/exports';
 import { hand } from './panels/hand';
 import { Hub, type Cell } from './panels/hub';
 import { insideSwitch, type InsideSwitch } from './panels/inside';
@@ -18,21 +22,26 @@ import { now, toggle } from './panels/now';
 import { parameters } from './panels/parameters';
 import { projector } from './panels/projector';
 import { presets } from './panels/presets';
+import { recordButton } from './panels/record';
+import { restsWhileHidden } from './panels/rest';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
 import { SpeedMeter } from './panels/speed';
+import { firstPreset } from './panels/story';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
 import { worksheet } from './panels/worksheet';
 import { Waits } from './panels/waits';
+import { keepOffline } from './offline';
 import type { About, Ask, Said } from './protocol';
+import { drawBeside, pngOf } from './scene/picture';
 import { Scene } from './scene/scene';
 import { Session } from './session';
 import { heard, say, spoken } from './words/say';
 
 declare global {
   interface Window {
-    cyclosis: { statistics(): Record<string, unknown>; latest(): Cell | null };
+    cyclosis: { statistics(): Record<string, unknown>; latest(): Cell | null; other(): { t: number; link: string } | null; order(): number | null };
   }
 }
 
@@ -41,6 +50,7 @@ const app = document.getElementById('app')!;
 async function start(): Promise<void> {
   document.documentElement.dataset.theme = isDark() ? 'dark' : 'light';
   document.documentElement.lang = spoken();
+  await keepOffline();
   const answer = await fetch('api/about');
   if (!answer.ok) throw new Error(say('page.status', { status: answer.status }));
   build((await answer.json()) as About);
@@ -50,7 +60,8 @@ function build(about: About): void {
   const { element: toastElement, toast } = toaster();
   const ask = (message: Ask): void => {
     if (message.do === 'change') scene.expect();
-    session.ask(message.do === 'begin' ? { scales: hub.scales, ...message } : message);
+    const whole: Ask = message.do === 'begin' ? { scales: hub.scales, ...message } : message;
+    if (!comparison.asks(whole)) session.ask(whole);
   };
   const hub = new Hub(about, ask, toast);
   let inner: InsideSwitch | null = null;
@@ -72,8 +83,14 @@ function build(about: About): void {
   const scene = new Scene({ cylinder, map, palette: keptPalette(about.palettes), dark: isDark(), notice: toast });
   inner = insideSwitch(hub, scene, app);
   cylinder.append(inner.element);
-  const tools = hand(hub, scene);
   hub.on('units', (units) => scene.setUnits(units));
+  const comparison = new Comparison({ hub, scene, app, stage, charts, ask: (message) => session.ask(message), close: () => inner?.on && inner.toggle() }, parted(location.hash));
+  const tools = hand(hub, {
+    setTool: (tool, radius) => {
+      scene.setTool(tool, radius);
+      comparison.setTool(tool, radius);
+    },
+  });
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
   scene.onDrawn = (frame) => unseen.drawn(frame);
@@ -90,7 +107,7 @@ function build(about: About): void {
     ['2', say('keys.wound'), () => tools.choose('wound')],
     ['3', say('keys.fragment'), () => tools.choose('fragment')],
     ['4', say('keys.align'), () => tools.choose('align')],
-    ['v', say('keys.inside'), () => inner?.toggle()],
+    ['v', say('keys.inside'), () => comparison.active || inner?.toggle()],
     ['f', say('keys.project'), screen.toggle],
     ['t', say('keys.tour'), () => { screen.off(); guide.start(); }],
     ['?', say('keys.list'), () => help.open()],
@@ -106,15 +123,19 @@ function build(about: About): void {
       h('button', { id: 'keys', 'aria-label': say('page.keys'), title: `${say('page.keys')} (?)`, onclick: () => help.open() }, '?')),
   );
   panels.append(
-    presets(hub), tools.element, parameters(hub), diagram(hub), interventions(hub),
-    share(hub, () => scene.png()), equation(hub), newCell(hub), measures(hub), look(hub, scene),
+    presets(hub), tools.element, parameters(hub), diagram(hub), comparison.panel.element, interventions(hub),
+    share(hub, () => pngOf(comparison.canvases(true), cylinder), recordButton(hub, {
+      draw: (onto) => drawBeside(onto, comparison.canvases(false), cylinder),
+      save,
+    })), equation(hub), newCell(hub), measures(hub), look(hub, scene),
     h('p', { class: 'note foot' }, say('page.foot', { version: about.version })),
   );
   if (matchMedia('(max-width: 820px)').matches) {
     panels.querySelectorAll<HTMLDetailsElement>('details.panel').forEach((panel) => (panel.open = panel.id === 'panel-presets' || panel.id === 'panel-hand'));
   }
 
-  const hear = (said: Said): void => {
+  const hear = (raw: Said): void => {
+    const said = comparison.hears(raw);
     if (said.type === 'cell') {
       // The message that began another cell may have been lost with a connection.
       said.fresh ||= said.begun !== hub.cell?.begun;
@@ -142,6 +163,7 @@ function build(about: About): void {
       meter.add(performance.now(), frame.t);
       scene.show(frame);
       hub.emit('frame', frame);
+      comparison.came(frame);
     },
     inside: (inside) => {
       if (inside.begun === hub.cell?.begun) scene.showInside(inside);
@@ -150,13 +172,29 @@ function build(about: About): void {
       scene.playing = false;
       unseen.forget();
     },
+    first: () => {
+      const { link } = parted(location.hash);
+      const preset = firstPreset(about.presets)?.name;
+      return link ? { do: 'begin', link } : preset ? { do: 'begin', preset } : { do: 'begin', setup: {} };
+    },
+    moved: () => {
+      comparison.moved();
+      // Opened again, the address computes the cell in the browser too.
+      history.replaceState(null, '', browserAddress());
+    },
   }, chosenEngine());
+  restsWhileHidden(hub, () => session.isOpen);
+  if (isEmbedded()) embed(hub, stage);
   app.append(guide.element, help.element, questions.element, session.banner);
   addEventListener('hashchange', () => {
-    const link = location.hash.slice(1);
-    if (link && link !== hub.link) hub.ask({ do: 'begin', link });
+    const { link, other } = parted(location.hash);
+    if (!link || link === hub.link) return;
+    comparison.open(other);
+    hub.ask({ do: 'begin', link });
   });
   window.cyclosis = {
+    other: () => comparison.other,
+    order: () => hub.frame?.regime?.order ?? null,
     statistics: () => ({
       ...scene.statistics,
       t: hub.frame?.t ?? hub.cell?.t ?? 0,

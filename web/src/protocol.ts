@@ -163,7 +163,7 @@ export type Said =
     }
   | { type: 'refused'; sentence: string }
   | { type: 'hash'; t: number; sha256: string }
-  | { type: 'curves'; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[]; applies: boolean }
+  | { type: 'curves'; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[]; applies: boolean; /** Whether only the server could compute them. */ elsewhere?: boolean }
   | { type: 'ended'; sentence: string }
   /** A new session, or the one with the given token; requests up to `received` have arrived. */
   | { type: 'welcome' | 'resumed'; token: string; received: number; preparing: Preparing | null }
@@ -199,6 +199,8 @@ export type Ask =
   | { do: 'alive' | 'ping' | 'leave' }
   | { do: 'play' | 'pause' | 'step' | 'tell' | 'hash' | 'new_seed' | 'curves' | 'undo' | 'again' }
   | { do: 'speed'; value: number }
+  /** Compute up to a frame as fast as possible, and stand still there. */
+  | { do: 'reach'; frame: number }
   | { do: 'change'; values: Values }
   | { do: 'drug'; name: 'cytochalasin' | 'wash_out' | 'inhibit_myosin' }
   | {

@@ -160,6 +160,10 @@ describe('a connection', () => {
     last().opens();
     last().says({ type: 'forgotten' });
     expect(told).toEqual(['lost', 'begin again']);
+    // The cell is recomputed first: what was asked is done at the time at which it was asked.
+    last().says({ type: 'cell', done: 1, catching_up: 7 });
+    expect(last().asked).toEqual(['resume', 'begin']);
+    last().says({ type: 'cell', done: 1, catching_up: null });
     expect(last().asked).toEqual(['resume', 'begin', 'step']);
   });
 

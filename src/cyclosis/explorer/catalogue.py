@@ -8,17 +8,16 @@ from typing import Any
 from ..config import USED_BY
 from ..model.definitions import GRID, INITIAL, MODEL, PARAMETERS, SCALES, SURFACE, Definition
 from ..model.interventions import ACTIONS, AT, SHAPES
-from ..model.parameters import Parameters
-from .about import curves
 from .presets import PRESETS
 from .session import DRUGS
 from .setup import INTERVAL, KINDS, MOST_FRAMES, MOST_PLACED
 from .surfaces import FINEST
+from .theory import stored
 
 
 @cache
-def catalogue(theory: bool = False) -> dict[str, Any]:
-    """Return the catalogue, as it is sent; with `theory` also the curves for the default parameters."""
+def catalogue() -> dict[str, Any]:
+    """Return the catalogue, as it is sent, but for its curves."""
     return {
         "parameters": _settings(PARAMETERS),
         "grid": _settings((*GRID, *SURFACE)),
@@ -41,13 +40,14 @@ def catalogue(theory: bool = False) -> dict[str, Any]:
         "mostFrames": MOST_FRAMES,
         "mostPlaced": MOST_PLACED,
         "drugs": DRUGS,
-        "curves": _theory() if theory else None,
+        "curves": [],
     }
 
 
-def _theory() -> dict[str, Any]:
-    params = Parameters()
-    return {"parameters": dict(params.items()), "curves": curves(params)["curves"]}
+@cache
+def whole() -> dict[str, Any]:
+    """Return the catalogue with the curves of theory that are stored."""
+    return catalogue() | {"curves": stored()}
 
 
 def _settings(items: tuple[Definition, ...]) -> list[dict[str, Any]]:

@@ -80,6 +80,13 @@ class Speed(_Ask):
     value: Annotated[float, Field(ge=SLOWEST, le=FASTEST, strict=False)]
 
 
+class Reach(_Ask):
+    """Compute up to a frame as fast as possible, and stand still there, as cells that are compared do."""
+
+    do: Literal["reach"]
+    frame: Annotated[int, Field(ge=0, le=1_000_000)]
+
+
 class Set(_Ask):
     """Change the values of parameters."""
 
@@ -149,7 +156,7 @@ class Seen(_Ask):
     frame: int
 
 
-Ask = Begin | Resume | Sign | Plain | Speed | Set | Drug | Brush | Vacuole | Units | Seen
+Ask = Begin | Resume | Sign | Plain | Speed | Reach | Set | Drug | Brush | Vacuole | Units | Seen
 _ADAPTER: TypeAdapter[Ask] = TypeAdapter(Annotated[Ask, Field(discriminator="do")])
 
 

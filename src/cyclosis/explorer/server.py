@@ -22,7 +22,7 @@ from ..model.errors import InputError
 from . import exports
 from .about import about
 from .ahead import prepare
-from .catalogue import catalogue
+from .catalogue import whole
 from .files import Kept, Reported
 from .messages import LONGEST
 from .visits import Visits
@@ -134,7 +134,7 @@ def application(limits: ServerLimits | None = None, scales: Mapping[str, float] 
 
     @app.get("/api/engine")
     def needed() -> JSONResponse:
-        return JSONResponse(catalogue())
+        return JSONResponse(whole())
 
     @app.get("/api/export/{name}")
     async def export(name: str, cell: str, request: Request, told: bool = False) -> Response:

@@ -1,7 +1,11 @@
-"""The explorer as a folder of files that any web server can serve, with the engine in the browser."""
+"""The explorer as a folder of files that any web server can serve, with the engine in the browser.
+
+A browser keeps the files of one release for times without a network (`web/public/offline.js`).
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 from collections.abc import Mapping
@@ -9,7 +13,7 @@ from pathlib import Path
 
 from ..model.errors import InputError
 from .about import about
-from .catalogue import catalogue
+from .catalogue import whole
 from .server import MISSING, PAGE
 
 POLICY = (
@@ -21,6 +25,10 @@ _HEAD = f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}" />
     <meta name="referrer" content="no-referrer" />
     <meta name="cyclosis-engine" content="browser" />
     """
+
+
+OFFLINE = "offline.js"
+"""The service worker that keeps the files, next to the page."""
 
 
 def write(folder: str | Path, page: Path = PAGE, scales: Mapping[str, float] | None = None) -> int:
@@ -40,15 +48,44 @@ def write(folder: str | Path, page: Path = PAGE, scales: Mapping[str, float] | N
         index = target / "index.html"
         text = index.read_text(encoding="utf-8")
         # The policy comes before everything that it applies to.
+        head = _HEAD + _early(target)
         index.write_text(
-            text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {_HEAD}'.rstrip())
+            text.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />\n    {head}'.rstrip())
         )
         (target / "api").mkdir()
-        for name, found in (("about", about() | {"scales": scales}), ("engine", catalogue(theory=True))):
+        for name, found in (("about", about() | {"scales": scales}), ("engine", whole())):
             (target / "api" / name).write_text(json.dumps(found, separators=(",", ":"), allow_nan=False))
+        _list(target)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
             "static", str(target), "a folder that can be written", f"check the path ({reason})"
         ) from error
     return sum(path.stat().st_size for path in target.rglob("*") if path.is_file())
+
+
+def _early(target: Path) -> str:
+    """Return links that load what the page needs later together with its script: it opens sooner."""
+    worker = [path.relative_to(target).as_posix() for path in target.glob("assets/worker-*.js")]
+    links = [
+        f'<link rel="preload" href="api/{name}" as="fetch" crossorigin />' for name in ("about", "engine")
+    ]
+    links += [f'<link rel="modulepreload" href="{name}" />' for name in worker]
+    return "".join(f"{link}\n    " for link in links)
+
+
+def _list(target: Path) -> None:
+    """Write into the service worker which files it keeps, and a name that changes with any of them."""
+    script = target / OFFLINE
+    files = sorted(path for path in target.rglob("*") if path.is_file() and path != script)
+    names = [path.relative_to(target).as_posix() for path in files]
+    text = script.read_text(encoding="utf-8")
+    digest = hashlib.sha256(text.encode())
+    for name, path in zip(names, files, strict=True):
+        digest.update(name.encode() + b"\0" + path.read_bytes())
+    # A folder's address is that of its page.
+    kept = json.dumps(["./", *names])
+    text = text.replace("VERSION = ''", f"VERSION = '{digest.hexdigest()[:16]}'").replace(
+        "FILES = []", f"FILES = {kept}"
+    )
+    script.write_text(text, encoding="utf-8")

@@ -51,6 +51,8 @@ class Visit:
         self.preset: str | None = None
         self.begun, self.playing, self.speed = 0, False, 5.0
         self.catching_up: float | None = None
+        self.goal: int | None = None
+        """The frame to compute up to, as fast as possible."""
         self.unseen, self.seen_at, self.sent_at, self.due = 0, 0.0, 0.0, 0.0
         self.shown: deque[list[list[float]]] = deque(maxlen=UNSEEN + 1)
         self.heard = clock.monotonic()
@@ -149,7 +151,7 @@ class Visit:
         """Whether the cell runs: it has a time to reach, or it plays and is still watched."""
         if self.session is None or self.line is None or not self.open or self.line.quiet:
             return False
-        if self.catching_up is not None:
+        if self.catching_up is not None or self.goal is not None:
             return True
         return self.playing and (self.unseen < UNSEEN or clock.monotonic() - self.seen_at < PATIENCE)
 
@@ -166,7 +168,7 @@ class Visit:
             try:
                 arrived = await self.work.forward(cell, self._prepare)
             except InputError as error:
-                self.playing, self.catching_up = False, None
+                self.playing, self.catching_up, self.goal = False, None, None
                 await self._refuse(error)
                 await self._tell()
                 return
@@ -175,7 +177,10 @@ class Visit:
                 if self.catching_up is not None and cell.live.t >= instant(self.catching_up):
                     self.catching_up = None
                     await self._tell()
-                pause = 0.0 if self.catching_up is not None else cell.live.every / self.speed
+                hurried = self.catching_up is not None or self.goal is not None
+                pause = 0.0 if hurried else cell.live.every / self.speed
+                if self.goal is not None and cell.live.frame >= self.goal:
+                    self.goal = None
                 # Time that was lost is not made up for.
                 self.due = max(self.due + pause, clock.monotonic() - pause)
         if self._to_show() and clock.monotonic() - self.sent_at >= 1 / MOST_PICTURES:
@@ -211,6 +216,11 @@ class Visit:
         cell = self.session
         if cell is None:
             raise InputError("cell", None, "begun", "begin one")
+        if isinstance(ask, messages.Reach):
+            self.playing, self.due = False, clock.monotonic()
+            self.goal = ask.frame if ask.frame > cell.live.frame else None
+            self.stale = self.stale or self.goal is None
+            return
         if isinstance(ask, messages.Plain):
             await self._plain(ask.do, cell)
             return
@@ -251,15 +261,16 @@ class Visit:
         elif what == "tell":
             await self._tell()
         elif what == "step":
-            self.playing = False
+            self.playing, self.goal = False, None
             await self._to_frame(cell, once=True)
             self.stale = True
             await self._tell()
         else:
-            self.playing = what == "play"
+            self.playing, self.goal = what == "play", None
             self.due = clock.monotonic()
             if not self.playing:
                 await self._to_frame(cell)
+                self.stale = True  # the picture is of the time that is told
             await self._tell()
 
     async def _curves(self, params: Parameters, straight: bool) -> None:
@@ -281,7 +292,7 @@ class Visit:
     async def _open(self, begun: setup.SetUp, playing: bool, name: str | None = None) -> None:
         self.session = await self.work.opened(begun, self._prepare)
         self.preset, self.playing, self.due = name, playing, clock.monotonic()
-        self.catching_up = begun.t if begun.t > 0 else None
+        self.catching_up, self.goal = begun.t if begun.t > 0 else None, None
         # Pictures of the previous cell are still in transit; their records are no longer needed.
         self.shown = deque(([] for _ in self.shown), self.shown.maxlen)
         self.begun, self.stale = self.begun + 1, True

@@ -35,8 +35,8 @@ export interface Catalogue {
   mostFrames: number;
   mostPlaced: number;
   drugs: Record<string, Table>;
-  /** The curves of theory for the parameters of the paper, or null where they were not computed. */
-  curves: { parameters: Table; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[] } | null;
+  /** The curves of theory for some sets of parameters besides alpha_p and alpha_u. */
+  curves: { parameters: Table; curves: { name: string; alpha_p: number[]; alpha_u: number[] }[] }[];
 }
 
 function remedy(item: Setting): string {

@@ -1,12 +1,15 @@
 import { contentsOf } from './setup';
 import { inBrowser } from './socket';
 
-const NEEDS = 'This file is made by the server, and needs cyclosis explore, and so Python. The settings (TOML) with cyclosis run give the same data.';
+const NEEDS: Record<string, string> = {
+  nc: 'Data files are made by the server, and need cyclosis explore, and so Python: the settings (TOML) with cyclosis run give the same data.',
+  movie: 'Movies of the whole run are made by the server, and need cyclosis explore, and so Python: “Record the screen” makes one of what you see.',
+};
 
 /** A file made without a server, or null where there is one. Throws an error that says what needs a server. */
 export function madeHere(kind: string, link: string): Blob | null {
   if (!inBrowser()) return null;
-  if (kind !== 'toml') throw new Error(NEEDS);
+  if (kind !== 'toml') throw new Error(NEEDS[kind]);
   return new Blob([tomlOf(link)], { type: 'application/toml' });
 }
 

@@ -45,7 +45,7 @@ export class WorkerSocket implements Socket {
   }
 }
 
-function newEngine(): Engine {
+export function newEngine(): Engine {
   return new Worker(new URL('./worker.ts', import.meta.url), { type: 'module' });
 }
 
@@ -59,8 +59,19 @@ export async function fetchCatalogue(): Promise<Catalogue> {
 /** Whether the cell is computed in the browser: the address asks for it, or the page itself. */
 export function inBrowser(address = location.href, page: Document = document): boolean {
   const asked = new URL(address).searchParams.get('engine');
-  const own = page.querySelector<HTMLMetaElement>('meta[name="cyclosis-engine"]')?.content;
-  return (asked ?? own) === 'browser';
+  return (asked ?? (ownEngine(page) ? 'browser' : null)) === 'browser';
+}
+
+/** Whether the page was written to be served without a server of its own. */
+export function ownEngine(page: Document = document): boolean {
+  return page.querySelector<HTMLMetaElement>('meta[name="cyclosis-engine"]')?.content === 'browser';
+}
+
+/** The address of this page with the cell computed in the browser. */
+export function browserAddress(address = location.href): string {
+  const own = new URL(address);
+  own.searchParams.set('engine', 'browser');
+  return own.href;
 }
 
 /** Sockets of the engine in the browser if that is chosen; else none. */

@@ -32,6 +32,8 @@ export class Visit {
   private playing = false;
   private speed = 5;
   private catchingUp: number | null = null;
+  /** The frame to compute up to, as fast as possible. */
+  private goal: number | null = null;
   private begun = 0;
   private done = 0;
   private unseen = 0;
@@ -77,7 +79,7 @@ export class Visit {
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
       this.playing = false;
-      this.catchingUp = null;
+      this.catchingUp = this.goal = null;
       around.say({ type: 'refused', sentence: error.message });
       this.tell(cell);
     }
@@ -90,14 +92,15 @@ export class Visit {
       this.catchingUp = null;
       this.tell(cell);
     }
-    const pause = this.catchingUp === null ? (1000 * cell.live.every) / this.speed : 0;
+    const pause = this.catchingUp === null && this.goal === null ? (1000 * cell.live.every) / this.speed : 0;
+    if (this.goal !== null && cell.live.frame >= this.goal) this.goal = null;
     // Time that was lost is not made up for.
     this.due = Math.max(this.due + pause, around.now() - pause);
   }
 
   private moving(): boolean {
     if (!this.cell) return false;
-    if (this.catchingUp !== null) return true;
+    if (this.catchingUp !== null || this.goal !== null) return true;
     return this.playing && (this.unseen < UNSEEN || this.around.now() - this.seenAt < PATIENCE);
   }
 
@@ -121,11 +124,22 @@ export class Visit {
       case 'play':
       case 'pause':
         this.playing = ask.do === 'play';
+        this.goal = null;
         this.due = this.around.now();
-        if (!this.playing) toFrame(cell);
+        if (!this.playing) {
+          toFrame(cell);
+          this.stale = true; // the picture is of the time that is told
+        }
         break;
+      case 'reach':
+        this.playing = false;
+        this.goal = ask.frame > cell.live.frame ? ask.frame : null;
+        this.due = this.around.now();
+        this.stale ||= this.goal === null;
+        return;
       case 'step':
         this.playing = false;
+        this.goal = null;
         while (!cell.forward(Infinity));
         this.stale = true;
         break;
@@ -199,6 +213,7 @@ export class Visit {
     this.playing = playing;
     this.due = this.around.now();
     this.catchingUp = setUp.t > 0 ? setUp.t : null;
+    this.goal = null;
     this.begun += 1;
     this.stale = true;
     this.tell(cell, true);
@@ -226,13 +241,12 @@ export class Visit {
     });
   }
 
-  /** The curves of theory where they are stored: for the parameters of the paper. Others need Python. */
-  private curves(cell: Cell): { curves: NonNullable<Catalogue['curves']>['curves']; applies: boolean } {
-    const { curves } = this.about;
+  /** The curves of theory where they are stored: for the parameters of the presets. Others need Python. */
+  private curves(cell: Cell): { curves: Catalogue['curves'][number]['curves']; applies: boolean; elsewhere: boolean } {
     const now = cell.live.paramsNow as unknown as Table;
     const applies = Object.values(now).every((value) => typeof value !== 'object');
-    const same = curves && Object.entries(curves.parameters).every(([name, value]) => ['alpha_p', 'alpha_u'].includes(name) || now[name] === value);
-    return { curves: applies && same ? curves.curves : [], applies };
+    const found = this.about.curves.find(({ parameters }) => Object.entries(parameters).every(([name, value]) => now[name] === value));
+    return { curves: (applies && found?.curves) || [], applies, elsewhere: applies && !found };
   }
 
   private async digest(cell: Cell): Promise<void> {

@@ -123,6 +123,7 @@ export function diagram(hub: Hub): HTMLElement {
       ? say('diagram.others', { names: names.join(', '), caption: said('diagram', caption) })
       : said('diagram', caption);
     if (curves && !curves.applies) note.append(say('diagram.no-theory'));
+    if (curves?.elsewhere) note.append(say('diagram.elsewhere'));
   };
   const go = (a: number, b: number): void => hub.ask({ do: 'change', values: { alpha_p: round(a), alpha_u: round(b) } });
   // Theory takes the server a while: lines are requested only while they are visible.

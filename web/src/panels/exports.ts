@@ -110,7 +110,7 @@ async function reason(answer: Response): Promise<string> {
   return say('files.status', { status: answer.status });
 }
 
-function save(blob: Blob, name: string): void {
+export function save(blob: Blob, name: string): void {
   const address = URL.createObjectURL(blob);
   h('a', { href: address, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);

@@ -19,6 +19,8 @@ export class Hub {
   cell: Cell | null = null;
   frame: Frame | null = null;
   units = new Units(null);
+  /** What follows the link of the cell in the address of the page: a second cell. */
+  suffix = '';
   private readonly listeners: { [K in keyof Events]?: ((value: Events[K]) => void)[] } = {};
 
   private readonly waiting: (() => void)[] = [];

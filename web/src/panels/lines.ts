@@ -11,8 +11,8 @@ export interface Line {
 const FILAMENTS: Line = { colour: '--ink', dash: [], upright: false };
 const FLOW: Line = { colour: '--flow', dash: [], upright: false };
 
-/** Components across the axis: around a cylinder, and in both directions across a closed cell. */
-const DASHES: [RegExp, number[]][] = [[/_(theta|x)$/, [4, 3]], [/_y$/, [1.5, 2.5]]];
+/** Components across the axis: around a cylinder, and in both directions across a closed cell; a second cell. */
+const DASHES: [RegExp, number[]][] = [[/_(theta|x)$/, [4, 3]], [/_y$/, [1.5, 2.5]], [/ of the second$/, [6, 4]]];
 
 /** Filaments in ink and flow in grey; components across the axis are dashed or dotted. */
 export function lineOf(quantity: string): Line {

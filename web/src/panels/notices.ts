@@ -19,22 +19,25 @@ export function toaster(): { element: HTMLElement; toast(sentence: string): void
   return { element, toast };
 }
 
-/** A lost connection, and a button to reconnect; the page also tries by itself unless it is `over`. */
-export function lostBanner(reconnect: () => void): {
+/** A lost connection, with buttons to reconnect and to go on without; the page tries by itself unless it is `over`. */
+export function lostBanner(reconnect: () => void, move: () => void): {
   element: HTMLElement;
-  show(sentence: string, over: boolean): void;
+  /** `movable`: whether the cell can go on in the browser. */
+  show(sentence: string, over: boolean, movable: boolean): void;
   hide(): void;
 } {
   const text = h('span');
   const button = h('button', { id: 'reconnect', class: 'main', onclick: reconnect }, say('page.try-now'));
-  const element = h('div', { id: 'lost', role: 'alert', hidden: true }, text, ' ', button);
+  const other = h('button', { id: 'move', onclick: move, title: say('page.move-title') }, say('page.move'));
+  const element = h('div', { id: 'lost', role: 'alert', hidden: true }, text, ' ', button, other);
   return {
     element,
-    show: (sentence, over) => {
+    show: (sentence, over, movable) => {
       const words = over ? sentence : say('page.reconnecting', { sentence });
       // Announced once, however often it is tried.
       if (text.textContent !== words) text.textContent = words;
       button.textContent = say(over ? 'page.continue' : 'page.try-now');
+      other.hidden = !movable;
       element.hidden = false;
     },
     hide: () => {

@@ -5,7 +5,7 @@ import { throttle } from './throttle';
 import { say } from '../words/say';
 
 /** The cell as an address, a fingerprint and files. */
-export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
+export function share(hub: Hub, png: () => Promise<Blob>, record: HTMLElement): HTMLElement {
   // Browsers refuse an address that changes too often.
   const writeAddress = throttle((link: string) => history.replaceState(null, '', `#${link}`), 350);
   // A hidden page requests nothing, so that its cell can end.
@@ -24,7 +24,7 @@ export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
     hash.dataset.t = String(t);
   });
   hub.on('cell', (cell) => {
-    writeAddress(cell.link);
+    writeAddress(cell.link + hub.suffix);
     if (cell.fresh) hash.textContent = copied.textContent = '';
   });
 
@@ -33,6 +33,7 @@ export function share(hub: Hub, png: () => Promise<Blob>): HTMLElement {
     h('div', { class: 'row wrap' }, copy, askHash),
     copied, hash,
     ...exportsOf(hub, png),
+    record,
   );
 }
 

@@ -156,7 +156,7 @@ const measured = ((): ((text: string) => number) => {
 })();
 
 /** `x` names the axis; where `unit` is not empty, it follows the last number instead. */
-function chart(host: HTMLElement, x: string, unit: () => string, quantities: string[], range?: [number, number]): uPlot {
+export function chart(host: HTMLElement, x: string, unit: () => string, quantities: string[], range?: [number, number]): uPlot {
   const axis = (): uPlot.Axis => ({
     stroke: () => style('--soft'),
     grid: { stroke: () => style('--line'), width: 1 },
@@ -184,7 +184,7 @@ function chart(host: HTMLElement, x: string, unit: () => string, quantities: str
     series: [{}, ...quantities.map((quantity) => {
       const { colour, dash, upright } = lineOf(quantity);
       return {
-        stroke: upright ? (plot: uPlot) => directions(plot, '') : () => style(colour), width: 1.6, dash, points: { show: false },
+        stroke: upright ? (plot: uPlot) => directions(plot, '') : () => style(colour), width: 1.6, dash, points: { show: false }, spanGaps: true,
         ...(upright ? { fill: (plot: uPlot) => directions(plot, WASH), fillTo: 0 } : {}),
       };
     })],

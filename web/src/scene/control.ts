@@ -42,8 +42,9 @@ export class Control {
       },
       end: () => this.end(),
       hover: (at) => this.point(at && view.pick(...at)),
-      pinch: (factor, y) => {
+      pinch: (factor, y, dy) => {
         view.zoomBy(factor, y);
+        view.moveBy(dy);
         changed();
       },
     });
@@ -61,7 +62,10 @@ export class Control {
       },
       end: () => this.end(),
       hover: (at) => this.point(at && map.pick(...at, true)),
-      pinch: () => undefined,
+      pinch: (factor) => {
+        view.zoomBy(factor, view.height / 2); // the map itself always shows all of the cell
+        changed();
+      },
     });
     cylinder.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     cylinder.addEventListener('keydown', (event) => this.cylinderKey(event));

@@ -6,13 +6,12 @@ import { Cylinder } from './cylinder';
 import { Fields } from './fields';
 import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
-import { beside } from './picture';
 import { inSoftware, Quality } from './quality';
 import { ScaleBar } from './scalebar';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
 import type { Units } from '../panels/units';
-import { View } from './view';
+import { View, type Stance } from './view';
 import { say } from '../words/say';
 
 export type { Tool } from './control';
@@ -44,6 +43,8 @@ export class Scene {
   playing = false;
   onDrawn: ((frame: number) => void) | null = null;
   onStroke: ((points: [number, number][]) => void) | null = null;
+  /** Called when the visitor has turned or enlarged the cell. */
+  onView: (() => void) | null = null;
 
   private readonly canvas = document.createElement('canvas');
   private readonly fields = new Fields();
@@ -105,6 +106,7 @@ export class Scene {
     this.canvas.addEventListener('webglcontextrestored', this.onRestored);
     const changed = (): void => {
       this.dirty = true;
+      this.onView?.();
     };
     this.control = new Control(this.canvas, this.map, this.view, this.fields, changed);
     this.control.onStroke = (points) => this.onStroke?.(points);
@@ -119,6 +121,18 @@ export class Scene {
     const { version, count } = this.tracers;
     const { frames } = this.quality;
     return { frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown, inside: version, tracers: count };
+  }
+
+  /** From where the cell is seen. */
+  get stance(): Stance {
+    const { turn, tilt, zoom, centre } = this.view;
+    return { turn, tilt, zoom, centre };
+  }
+
+  set stance(stance: Stance) {
+    Object.assign(this.view, stance);
+    this.view.hold();
+    this.dirty = true;
   }
 
   get opens(): boolean {
@@ -218,12 +232,11 @@ export class Scene {
     this.stale = this.dirty = true;
   }
 
-  async png(): Promise<Blob> {
-    // Drawn immediately before: the browser does not keep a WebGL picture.
-    this.draw(performance.now(), true);
+  /** The canvases of cylinder and map, each to be laid over one another, drawn now: the browser keeps no WebGL picture. */
+  canvases(everything: boolean): HTMLCanvasElement[][] {
+    this.draw(performance.now(), everything);
     const map = [this.map.still, this.map.moving];
-    const groups = this.cylinder && !this.lost ? [[this.canvas], map] : [map];
-    return beside(groups, this.options.cylinder);
+    return this.cylinder && !this.lost ? [[this.canvas], map] : [map];
   }
 
   private readonly onLost = (event: Event): void => {

@@ -13,6 +13,9 @@ const OPENED = 0.45;
 /** Tilt of a closed surface: enough to see its upper end. */
 const ENDS = 0.5;
 
+/** The part of a view that two cells can share. */
+export type Stance = Pick<View, 'turn' | 'tilt' | 'zoom' | 'centre'>;
+
 export class View {
   /** Angle theta that faces the viewer. */
   turn = Math.PI;
