@@ -35,7 +35,7 @@ def latest(page):
 
 
 def wait(page, condition, seconds=90):
-    """Wait for a condition on `cell`, told last, `other`, the second of two, `regime`, what the page says of it.
+    """Wait for a condition on `cell`, told last, `other`, the second of two, `regime`, its name.
 
     `find` finds elements.
     """
