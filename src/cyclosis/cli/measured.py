@@ -161,7 +161,10 @@ def measure(
     window_px: Annotated[
         float | None,
         _option(
-            "--window-px", metavar="PX", help="OpenPIV's search window, to correct its positions.", group=FILE
+            "--window-px",
+            metavar="PX",
+            help="Side of the windows of which vectors are averages; also corrects OpenPIV's positions.",
+            group=FILE,
         ),
     ] = None,
     focus_um: Annotated[

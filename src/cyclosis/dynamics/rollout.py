@@ -2,8 +2,9 @@
 
 The intervals between saved times are cut into equal steps as in `simulate`. Every step is a checkpoint: the
 backward pass keeps one spectrum per step and repeats the four right-hand sides of a step, which needs less
-memory than keeping their intermediate fields and is also faster. The choice of the coefficients and whether a
-step is taken at all lie within the checkpoint; outside it, ten fields of coefficients are kept with every step.
+memory than keeping their intermediate fields and is also faster. The choice of the coefficients, and whether
+a step is taken at all, lie within the checkpoint: outside it, ten fields of coefficients are kept with every
+step.
 """
 
 from __future__ import annotations

@@ -8,15 +8,16 @@ Either half takes both parts.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..model.grid import Array
 from .bumps import InSpace, in_space, in_time, slopes, weights
-from .film import Film, noise_of, surrogate
+from .film import Film
 from .geometry import Tilt, carried, turned
+from .noise import noise_of, surrogate
 from .weak import FILAMENTS, FLOW, RATES, Chart, Rows, White, rows, whitening
 
 NAMES = (*FILAMENTS, *FLOW)
@@ -76,9 +77,8 @@ def wrapped(film: Film) -> Film:
 
     theta = np.concatenate([film.theta[left] - 2 * np.pi, film.theta, film.theta[right] + 2 * np.pi])
     P, u = (None if f is None else round_(f, 2) for f in (film.P, film.u))
-    return Film(
-        film.times, theta, film.z, P, u, round_(film.seen, 0), film.facing, film.scales, film.attributes
-    )
+    seen, known = round_(film.seen, 0), round_(film.known, 1)
+    return replace(film, theta=theta, P=P, u=u, seen=seen, known=known, angle=None)
 
 
 def _centres(points: Array, half: float) -> Array:
@@ -197,7 +197,8 @@ def repeated(
     P, u = film.P, film.u
     assert P is not None
     assert u is not None
-    noise = (noise_of(P, film.seen), noise_of(u, film.seen))
+    known = film.known & film.seen
+    noise = (noise_of(P, film.times, known), noise_of(u, film.times, known))
     frame = framed(film)
     white = _white(film, frame, noise)
     first = solved(halves(film, frame, noise, angle, white), fixed)
@@ -205,7 +206,9 @@ def repeated(
     twice = (2 * noise[0], 2 * noise[1])
     noisy = []
     for _ in range(draws):
-        again = film.with_fields(P + surrogate(P, noise[0], rng), u + surrogate(u, noise[1], rng))
+        again = film.with_fields(
+            P + surrogate(P, film.times, noise[0], rng), u + surrogate(u, film.times, noise[1], rng)
+        )
         noisy.append(solved(halves(again, frame, twice, angle, white), fixed))
     other, moved = [], []
     try:

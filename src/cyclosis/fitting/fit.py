@@ -10,10 +10,12 @@ import numpy as np
 from ..model.doors import door
 from ..model.errors import InputError, choice, closest, number, whole
 from ..model.scales import Scales
-from .film import Film, film_of, noise_of
+from .film import Film, film_of
 from .geometry import tilts, visible
 from .judged import by_equation, refusal
+from .noise import noise_of
 from .result import ORDER, Fit
+from .windows import unknown, window_of
 
 METHODS = ("auto", "equation", "film", "profile")
 LARGEST = {
@@ -29,6 +31,11 @@ LARGEST = {
 CHANGE = 0.02
 """A film of u that varies by less than this share of its peak, beyond its noise, is a profile."""
 
+UNKNOWN = (
+    "vectors are means over windows, whose size the data do not tell; they make mu and alpha_u too large, so "
+    "give window_px when reading, or window in radii"
+)
+
 
 @door
 def fit(
@@ -42,6 +49,7 @@ def fit(
     geometry: Mapping[str, float] | None = None,
     draws: int = 8,
     length: float | None = None,
+    window: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Fit:
     """Return the parameters of a measured cell, with intervals, or a sentence that says what it cannot tell.
@@ -64,6 +72,10 @@ def fit(
     radii); intervals then include it. `draws` times the estimated noise is added again, from `seed`, for the
     intervals. `length` is the period of the cell along the axis in a fit of a film, by default that of the
     data's attribute length or 1.2 times the window. `progress(done, total)` is called by "film".
+
+    window: the side, in radii, of the squares of the image over which vectors of u are averaged, 0 for values
+    at points; by default what the measurement knows (its attributes window_px and radius_px). The model is
+    averaged in the same way by "film", and the average is undone to fourth order by "equation".
 
     What the data cannot tell is NaN with the interval (0, inf), and `Fit.refused` says why. Raises
     `InputError` for what is no measurement. Method: `docs/fitting.md`.
@@ -94,18 +106,20 @@ def fit(
             "measure the flow in the same film."
         )
         return refusal(method, names, fixed, film, sentence, seed)
+    square = window_of(film, window)
+    notes = (UNKNOWN,) if window is None and unknown(film) else ()
     chosen = _method(film) if method == "auto" else method
     if chosen == "equation":
         if film.P is None:
             rule, remedy = "given with method equation", "fit a film of u alone by method film"
             raise InputError("P of the data", None, rule, remedy)
-        return by_equation(film, wanted, fixed, moved, draws, seed)
+        return by_equation(film, wanted, fixed, moved, draws, seed, square, notes)
     if chosen == "film":
         from .matching import by_film
 
         if parameters is None or "U" not in wanted:
             fixed = {"U": 1.0} | fixed
-        return by_film(film, wanted, fixed, seed, length, progress)
+        return by_film(film, wanted, fixed, seed, length, square, notes, progress)
     from .steady import by_profile
 
     return by_profile(film, wanted, fixed, seed)
@@ -126,7 +140,7 @@ def _changes(film: Film) -> bool:
     """
     assert film.u is not None
     variance = film.u.var(axis=0, ddof=1)[:, film.seen].mean()
-    noise = noise_of(film.u, film.seen)[:, film.seen].mean()
+    noise = noise_of(film.u, film.times, film.known & film.seen)[:, film.seen].mean()
     peak = float(np.quantile(np.hypot(film.u[:, 0], film.u[:, 1])[:, film.seen], 0.999))
     return bool(np.sqrt(max(variance - noise, 0.0)) > CHANGE * peak)
 

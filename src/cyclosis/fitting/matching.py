@@ -1,4 +1,4 @@
-"""Parameters from a film of u alone: runs from an unknown initial state are matched to it.
+"""Parameters from a film by matching: runs from an unknown initial state are compared with it.
 
 The unknowns are the logarithms of the parameters, with a prior of a factor e about the paper's values, and
 the Fourier coefficients of P at the first frame, with a smooth prior. `search` finds the most probable ones.
@@ -9,7 +9,7 @@ out; they are widened by sqrt(χ²/N) where that is above 1.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -17,18 +17,22 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
-from .. import traced
 from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
-from ..model.parameters import Parameters
 from ..model.precision import double
-from .film import Film, noise_of
-from .judged import NOISY, refusal
+from .compared import Arrays, Layout, columns, fields, misfit, waves
+from .film import Film
+from .judged import loud, refusal
+from .noise import noise_of, shared
 from .result import ORDER, Fit, directions, masked, of_logarithms
-from .search import Problem, search
+from .search import Found, Problem, search
+from .windows import Window, averaging
 
-POINTS, DT, COARSE = 32, 0.125, 0.25
-"""Points of the model's grid either way, and its steps in R/U for the misfit and for its slopes."""
+POINTS, DT, COARSE = 32, 0.125, 0.5
+"""Points of the model's grid either way, and its longest steps in R/U for the misfit and for its slopes."""
+QUICK = 1.5
+"""Largest step of the slopes times the largest rate; a quarter of it for the misfit."""
+SHORTEST = 1 / 64
 FINEST, FEWEST, MOST_WAVES = 7.0, 3, 12
 """Largest wave number of the initial state, per radian or radius, and least and most waves along the cell."""
 START = {
@@ -50,92 +54,95 @@ LEAST, LONGEST = 4, 400
 """Frames and steps of a film that is matched."""
 WRONG = 1.5
 """χ²/N of a model that does not fit."""
+SPARSE = 0.8
+"""χ²/N below which differences in time have taken change for noise: what the run leaves is the noise."""
 OPEN = 0.1
 """Gain still expected of one more step, beyond which a search has not ended."""
 LOST = 0.5
 """Posterior deviation of a logarithm at which the prior, 1, decides."""
 SHARE = 24
 """Columns of the Jacobian that are computed together."""
+MOST = 200_000
+"""Values of a film that are compared; of more, every second or third frame is left out."""
+ALIKE = "what neighbouring vectors share of their noise was taken into account: {0:.2g} of them count as one"
 
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """A film prepared for matching: `names` are the free parameters, in the order of the first unknowns.
+    """A film prepared for matching.
 
-    `around` and `along` are the waves of the grid at the film's places, and `waves` the cosines and sines of
-    the initial state on the grid, of which those in `kept` are used.
+    `squares` are k² of the waves of the initial state that are used, `share` the number of vectors that count
+    as one, by field, and `peaks` the largest size of each field.
     """
 
-    grid: CylinderGrid
-    names: tuple[str, ...]
-    fixed: dict[str, float]
-    times: Array
-    around: Array
-    along: Array
-    data: Array
-    sigma: Array
-    seen: npt.NDArray[np.bool_]
-    waves: tuple[Array, Array]
+    layout: Layout
+    arrays: Arrays
     squares: Array
-    kept: npt.NDArray[np.bool_]
+    share: dict[str, float]
+    peaks: dict[str, float]
 
-    def initial(self, waves: Any) -> Any:
-        """Return P (2, n_theta, n_z) of the coefficients that are used."""
-        full = jnp.zeros((2, *self.kept.shape)).at[:, self.kept].set(waves.reshape(2, -1))
-        return jnp.einsum("am,cmn,bn->cab", self.waves[0], full, self.waves[1])
-
-    def values(self, logs: Any) -> dict[str, Any]:
-        """Return the parameters by name, the rates in units of the data's time."""
-        given: dict[str, Any] = {
-            **self.fixed,
-            **{name: jnp.exp(logs[k]) for k, name in enumerate(self.names)},
-        }
-        unit = given.pop("U")
-        angle = given.pop("repulsion_angle", 0.0)
-        # u in units of the data is U u: all terms but those of μ become U times as fast.
-        return {
-            "U": unit,
-            "repulsion_angle": angle,
-            **{n: v if n == "mu" else v * unit for n, v in given.items()},
-        }
-
-    def fields(self, unknowns: Any, dt: float) -> tuple[Any, Any]:
-        """Return P and u (n, 2, n_theta, n_z) on the grid at the film's times."""
-        logs, waves = unknowns[: len(self.names)], unknowns[len(self.names) :]
-        values = self.values(logs)
-        unit = values.pop("U")
-        P = traced.rollout(PLAIN, self.grid, self.initial(waves), self.times, dt, **values)
-        return P, unit * jax.vmap(lambda p: traced.flow(PLAIN, self.grid, p, mu=values["mu"]))(P)
-
-    def misfit(self, unknowns: Any, dt: float = DT) -> Any:
-        """Return (u_model - u)/σ where u was seen, as one vector."""
-        wave = jnp.fft.fft2(self.fields(unknowns, dt)[1], norm="forward")
-        there = jnp.einsum("am,tcmn,bn->tcab", self.around, wave, self.along).real
-        return ((there[..., self.seen] - self.data) / self.sigma).ravel()
+    @property
+    def sizes(self) -> dict[str, int]:
+        """The number of values of each field."""
+        return {name: int(self.arrays.data[name].size) for name in self.layout.fields}
 
     def problem(self) -> Problem:
         """Return what `search` minimises."""
-        misfit = jax.jit(self.misfit)
-        columns = jax.jit(lambda x, v: jax.vmap(jax.linearize(lambda y: self.misfit(y, COARSE), x)[1])(v))
+        layout, arrays = self.layout, self.arrays
+        single = jax.tree.map(_single, arrays)
+        n = len(layout.free)
+
+        last: list[Array] = []
 
         def jacobian(x: Array) -> Array:
-            unit = np.eye(-(-x.size // SHARE) * SHARE, x.size)
-            shares = [columns(x, unit[k : k + SHARE]) for k in range(0, x.size, SHARE)]
-            return np.concatenate([np.asarray(share) for share in shares])[: x.size]
+            if last and np.array_equal(last[0], x):  # the next stage begins where one ended
+                return last[1]
+            unit = np.eye(-(-x.size // SHARE) * SHARE, x.size, dtype=np.float32)
+            at, dt = jnp.asarray(x, jnp.float32), self.step(x, COARSE, QUICK)
+            shares = [
+                columns(layout, single, at, unit[k : k + SHARE], dt, "float32")
+                for k in range(0, x.size, SHARE)
+            ]
+            last[:] = x, np.concatenate([np.asarray(share) for share in shares])[: x.size]
+            return last[1]
 
-        mean = [np.mean(wave**2, axis=0) for wave in self.waves]
-        peak = np.quantile(np.hypot(self.data[:, 0], self.data[:, 1]), 0.999)
+        mean = [np.mean(wave**2, axis=0) for wave in arrays.waves]
+        peaks = [self.peaks[name] / np.asarray(arrays.sigma[name]) for name in layout.fields]
+        kept = arrays.kept
         return Problem(
-            lambda x: np.asarray(misfit(x)),
+            lambda x: np.asarray(misfit(layout, arrays, x, self.step(x, DT, QUICK / 4), "float64")),
             jacobian,
-            np.log([START[name] for name in self.names]),
-            np.tile(self.squares[self.kept], 2),
-            np.tile(np.outer(*mean)[self.kept], 2) / 2,
-            np.broadcast_to(peak / self.sigma, self.data.shape).ravel(),
+            np.log([START[name] for name in layout.free[:n]]),
+            np.tile(self.squares, 2),
+            np.tile(mean[0][kept[0]] * mean[1][kept[1]], 2) / 2,
+            np.concatenate(peaks),
         )
 
+    def step(self, x: Array, longest: float, quick: float) -> float:
+        """Return a step in R/U that the rates of some parameters allow, from a ladder of halves."""
+        given = dict(zip(self.layout.fixed, self.arrays.fixed, strict=True))
+        given |= dict(
+            zip(self.layout.free, np.exp(np.clip(x[: len(self.layout.free)], -20, 20)), strict=True)
+        )
+        rate = 2 * given["U"] * (given["alpha_p"] + given["alpha_u"])
+        while longest * rate > quick and longest > SHORTEST:
+            longest /= 2
+        return longest
 
-PLAIN = Parameters()
+    def louder(self, by: dict[str, float]) -> Match:
+        """Return the same film with other standard deviations."""
+        sigma = {name: by[name] * each for name, each in self.arrays.sigma.items()}
+        return replace(self, arrays=self.arrays._replace(sigma=sigma))
+
+    def parts(self, left: Array) -> dict[str, Array]:
+        """Return what is left of each field."""
+        ends = np.cumsum(list(self.sizes.values()))[:-1]
+        return dict(zip(self.layout.fields, np.split(left, ends), strict=True))
+
+
+def _single(array: Any) -> Any:
+    kind = np.asarray(array).dtype.kind
+    return jnp.asarray(array, {"f": jnp.float32, "c": jnp.complex64, "i": jnp.int32}[kind])
 
 
 def by_film(
@@ -144,36 +151,48 @@ def by_film(
     fixed: dict[str, float],
     seed: int,
     length: float | None,
+    window: Window | None,
+    notes: tuple[str, ...],
     progress: Callable[[int, int], None] | None,
 ) -> Fit:
-    """Return the `Fit` of a film of u by matching runs to it."""
+    """Return the `Fit` of a film of u, with P or angles if they were measured, by matching runs to it."""
     free = tuple(name for name in ORDER if name not in fixed)
     names = tuple(name for name in free if name in wanted)
     assert film.u is not None
+    measured = {"u": film.u} | ({"P": film.P} if film.P is not None else {})
+    noise = {name: _rms(noise_of(each, film.times, film.known), film) for name, each in measured.items()}
     sentence = None
-    variance = noise_of(film.u, film.seen)
-    noise = float(np.sqrt(variance[:, film.seen].mean()))
-    peak = float(np.quantile(np.hypot(film.u[:, 0], film.u[:, 1])[:, film.seen], 0.999))
-    if film.frames < LEAST + 1 or not noise > 0:
+    if film.frames < LEAST + 1 or not noise["u"] > 0:
         sentence = (
             f"This film has {film.frames} frames, too few to find its noise and to follow a change; "
             f"film at least {LEAST + 1}."
         )
-    elif noise > NOISY * peak:
-        sentence = (
-            f"The noise of u is {100 * noise / peak:.0f} % of its peak, and the fit holds up to 20 "
-            f"%; average "
-            "neighbouring vectors, or film at a higher magnification."
-        )
+    for name, each in measured.items():
+        sentence = sentence or loud(name, noise[name], 1.0 if name == "P" else _peak(each, film.known))
     if sentence is not None:
-        return refusal("film", names, fixed, film, sentence, seed, {"u": noise})
-    match = _match(film, free, fixed, variance, length)
+        return refusal("film", names, fixed, film, sentence, seed, noise, notes)
+    match = _match(film, free, fixed, length, window)
+    alike = max(match.share.values())
+    if alike > 1.2:
+        notes = (*notes, ALIKE.format(alike))
     with double():
-        return _fitted(match, film, names, free, fixed, noise, seed, progress)
+        return _fitted(match, film, names, free, fixed, noise, seed, notes, progress)
+
+
+def _rms(variance: Array, film: Film) -> float:
+    return float(np.sqrt(variance[..., film.known.any(axis=0)].mean()))
+
+
+def _peak(field: Array, known: npt.NDArray[np.bool_]) -> float:
+    return float(np.quantile(np.sqrt((field**2).sum(axis=1))[known], 0.999))
 
 
 def _match(
-    film: Film, free: tuple[str, ...], fixed: dict[str, float], variance: Array, length: float | None
+    film: Film,
+    free: tuple[str, ...],
+    fixed: dict[str, float],
+    length: float | None,
+    window: Window | None,
 ) -> Match:
     assert film.u is not None
     own = film.attributes.get("length")
@@ -187,28 +206,64 @@ def _match(
             "the film", f"{film.times[-1] - film.times[0]:.6g} R/U", rule, "take the part that changes"
         )
     grid = CylinderGrid(POINTS, POINTS, period)
-    m, q = grid.m, grid.q
-    around = np.exp(1j * np.outer(film.theta, m))
-    along = np.exp(1j * np.outer(film.z, q))
     first = 2 * np.pi / period
     counts = int(FINEST), int(np.clip(FINEST / first, FEWEST, MOST_WAVES))
     orders = [np.concatenate([np.arange(n + 1), np.arange(1, n + 1)]) for n in counts]
     squares = orders[0][:, None] ** 2 + (orders[1] * first) ** 2
-    sigma = np.sqrt(np.maximum(variance, 1e-2 * variance[:, film.seen].mean()))
-    return Match(
+    kept = np.nonzero(squares <= max(FINEST, FEWEST * first) ** 2)
+    q = first * np.arange(POINTS // 2 + 1, dtype=np.float64)
+    given = {name: value for name, value in fixed.items() if name in (*ORDER, "repulsion_angle")}
+    known, data, sigma, share, peaks = _measured(film)
+    layout = Layout(
         grid,
         free,
-        {k: v for k, v in fixed.items() if k in (*ORDER, "repulsion_angle")},
-        film.times - film.times[0],
-        around,
-        along,
-        film.u[..., film.seen],
-        sigma[..., film.seen],
-        film.seen,
-        (_real_waves(grid.theta, counts[0]), _real_waves(first * grid.z, counts[1])),
-        squares,
-        squares <= max(FINEST, FEWEST * first) ** 2,
+        tuple(given),
+        tuple((film.times - film.times[0]).tolist()),
+        tuple(data),
     )
+    arrays = Arrays(
+        np.array(list(given.values()), np.float64),
+        (_real_waves(grid.theta, counts[0]), _real_waves(first * grid.z, counts[1])),
+        (kept[0].astype(np.int32), kept[1].astype(np.int32)),
+        averaging(window, film.theta, film.facing, grid.m, q),
+        np.exp(1j * np.outer(film.theta, grid.m)),
+        np.exp(1j * np.outer(film.z, q)),
+        data,
+        sigma,
+        known,
+    )
+    return Match(layout, arrays, squares[kept], share, peaks)
+
+
+def _measured(film: Film) -> tuple[Any, Any, Any, Any, Any]:
+    """Return places, values, standard deviations, vectors that count as one, and the peak of each field."""
+    at, data, sigma, share, peaks = {}, {}, {}, {}, {}
+    used = np.zeros(film.frames, bool)
+    values = sum(2 * film.known.sum() for field in (film.u, film.P) if field is not None)
+    used[:: max(1, int(np.ceil(values / MOST)))] = True
+    for name, field in (("u", film.u), ("P", film.P), ("angle", film.angle)):
+        if field is None:
+            continue
+        known, values = film.known, field
+        if name == "angle":
+            known = np.isfinite(field)
+            values = np.where(known, field, 0.0)
+            doubled = np.stack([np.cos(2 * values), np.sin(2 * values)], axis=1)
+            variance = noise_of(doubled, film.times, known).sum(axis=0) / 4
+            share[name] = shared(doubled, film.times, known)
+            peaks[name] = 1.0
+        else:
+            known = np.broadcast_to(known[:, None], field.shape)
+            variance = noise_of(field, film.times, film.known)
+            share[name] = shared(field, film.times, film.known)
+            peaks[name] = _peak(field, film.known)
+        variance = np.maximum(variance, 1e-2 * variance[..., film.known.any(axis=0)].mean())
+        chosen = known & used.reshape(-1, *[1] * (field.ndim - 1))
+        at[name] = np.flatnonzero(chosen).astype(np.int32)
+        data[name] = values[chosen]
+        spread = np.sqrt(share[name] * np.maximum(variance, 1e-300))
+        sigma[name] = np.broadcast_to(spread, field.shape)[chosen]
+    return at, data, sigma, share, peaks
 
 
 def _real_waves(angle: Array, most: int) -> Array:
@@ -216,20 +271,59 @@ def _real_waves(angle: Array, most: int) -> Array:
     return np.concatenate([np.cos(np.outer(angle, k)), np.sin(np.outer(angle, k[1:]))], axis=1)
 
 
-def _begin(match: Match, problem: Problem, size: float) -> Array:
+def _begin(match: Match, film: Film, problem: Problem, size: float) -> Array:
     """Return unknowns near the film: |P|² P is about u where it was seen, and smooth elsewhere."""
-    first = match.data[: min(3, len(match.data))].mean(axis=0)
-    P = first / np.maximum(np.hypot(*first), 1e-12) ** (2 / 3)
+    assert film.u is not None
+    arrays = match.arrays
+    early = slice(0, min(3, film.frames))
+    count = film.known[early].sum(axis=0)
+    seen = count > 0
+    mean = np.where(film.known[early][:, None], film.u[early], 0.0).sum(axis=0)[:, seen] / count[seen]
+    P = mean / np.maximum(np.hypot(*mean), 1e-12) ** (2 / 3)
+    if film.P is not None:
+        P = np.where(film.known[early][:, None], film.P[early], 0.0).sum(axis=0)[:, seen] / count[seen]
     # Ridge regression of the window's values on the prior's waves.
-    left, right = (
-        np.einsum("am,mj->aj", there, np.fft.fft(waves, axis=0, norm="forward")).real
-        for there, waves in zip((match.around, match.along), match.waves, strict=True)
-    )
-    design = np.einsum("am,bn->abmn", left, right)[match.seen][:, match.kept]
+    orders = [(wave.shape[1] - 1) // 2 for wave in arrays.waves]
+    left = _real_waves(film.theta, orders[0])
+    right = _real_waves(2 * np.pi / match.layout.grid.length * film.z, orders[1])
+    design = left[:, None, arrays.kept[0]] * right[None, :, arrays.kept[1]]
+    design = design[seen]
     scale = problem.scale(size, WIDTH)[problem.logs :][: design.shape[1]]
     design, ridge = design * scale, 0.05
     solve = np.linalg.solve(design.T @ design / ridge + np.eye(scale.size), design.T @ P.T / ridge)
     return np.concatenate([problem.begin, (scale * solve.T).ravel()])
+
+
+def _searched(match: Match, film: Film, told: Callable[[], None]) -> tuple[Match, Found, float, float]:
+    """Return the film with its noise, the end of the search, χ²/N, and by what the noise was too large."""
+    assert film.u is not None
+    problem = match.problem()
+    # u is about |P|² P, and the film's first frames bound it from above with their noise.
+    rms = np.sqrt(2 * np.mean(film.u[:2][np.broadcast_to(film.known[:2, None], film.u[:2].shape)] ** 2))
+    size = float(np.clip(rms, 1e-6, 1.0) ** (1 / 3))
+    found = search(problem, _begin(match, film, problem, size), size, WIDTH, told)
+    ratio = _ratio(match, found)
+    if ratio >= SPARSE:
+        return match, found, ratio, 1.0
+    parts = match.parts(found.left)
+    by = {
+        name: float(np.sqrt(match.share[name] * np.mean(part**2) * len(found.left) / _free(match, found)))
+        for name, part in parts.items()
+    }
+    match = match.louder(by)
+    found = search(match.problem(), found.x, found.size, found.width, told, blurred=False)
+    return match, found, _ratio(match, found), 1 / max(by.values())
+
+
+def _free(match: Match, found: Found) -> float:
+    """Return the number of values less what the unknowns take of them."""
+    return max(found.left.size - max(match.share.values()) * found.effective, 1.0)
+
+
+def _ratio(match: Match, found: Found) -> float:
+    """Return χ²/N by the noise of single values."""
+    parts = match.parts(found.left)
+    return float(sum(match.share[name] * (part @ part) for name, part in parts.items())) / _free(match, found)
 
 
 def _fitted(
@@ -238,8 +332,9 @@ def _fitted(
     names: tuple[str, ...],
     free: tuple[str, ...],
     fixed: dict[str, float],
-    noise: float,
+    noise: dict[str, float],
     seed: int,
+    notes: tuple[str, ...],
     progress: Callable[[int, int], None] | None,
 ) -> Fit:
     n = len(free)
@@ -250,13 +345,14 @@ def _fitted(
         if progress is not None:
             progress(min(done[0], STAGES), STAGES + 1)
 
-    problem = match.problem()
-    # u is about |P|² P, and the film's first frames bound it from above with their noise.
-    rms = np.sqrt(2 * np.mean(match.data[:2] ** 2))
-    size = float(np.clip(rms, 1e-6, 1.0) ** (1 / 3))
-    found = search(problem, _begin(match, problem, size), size, WIDTH, told)
+    match, found, ratio, over = _searched(match, film, told)
+    if over > 1.0:
+        notes = (
+            *notes,
+            f"frames are so far apart that differences in time show {over:.2g} times the noise; it was taken "
+            "from what the run leaves instead",
+        )
     x = found.x
-    ratio = found.chi2 / max(match.data.size - found.effective, 1.0)
     covariance = found.covariance * max(ratio, 1.0)
     deviation = np.sqrt(np.diag(covariance))
     values = np.exp(x[:n])
@@ -289,25 +385,24 @@ def _fitted(
         float(np.sqrt(np.divide(*np.linalg.eigvalsh(covariance)[[-1, 0]]))) if n else 1.0,
         float(np.sqrt(ratio)),
         fixed,
-        {"u": noise},
+        noise,
         {},
         film.scales,
         seed,
         None if len(lost) == n else lambda: _predicted(match, film, x),
+        notes,
     )
 
 
 def _predicted(match: Match, film: Film, x: Array) -> Any:
     import xarray
 
+    arrays = match.arrays
     with double():
-        P, u = match.fields(jnp.asarray(x), DT)
-        there = [
-            np.einsum(
-                "am,tcmn,bn->tcab", match.around, np.fft.fft2(np.asarray(f), norm="forward"), match.along
-            ).real
-            for f in (P, u)
-        ]
+        P, u = fields(match.layout, arrays, jnp.asarray(x), match.step(x, DT, QUICK / 4), "float64")
+        P, u = (np.asarray(waves(f)) for f in (P, u))
+    there = np.einsum("am,tcmn,bn->tcab", arrays.around, P, arrays.along).real
+    flow = np.einsum("camn,tcmn,bn->tcab", arrays.windows, u, arrays.along).real
     dims = ("time", "component", "theta", "z")
     coords = {"time": film.times, "component": ["theta", "z"], "theta": film.theta, "z": film.z}
-    return xarray.Dataset({"P": (dims, there[0]), "u": (dims, there[1])}, coords)
+    return xarray.Dataset({"P": (dims, there), "u": (dims, flow)}, coords)

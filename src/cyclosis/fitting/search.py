@@ -67,25 +67,36 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The end of a search: `x`, the covariance of the logarithms, χ², and what the unknowns took of N.
+    """The end of a search: `x`, the covariance of the logarithms, the misfit, and what x took of N values.
 
     `short` is the gain that one more step was expected to bring: the search has ended where it is small.
     """
 
     x: Array
     covariance: Array
-    chi2: float
+    left: Array
     effective: float
     short: float
     size: float
     width: float
 
 
-def search(problem: Problem, x: Array, size: float, width: float, told: Callable[[], None]) -> Found:
-    """Return the most probable unknowns, from x and the prior of a size and a width."""
+def search(
+    problem: Problem,
+    x: Array,
+    size: float,
+    width: float,
+    told: Callable[[], None],
+    *,
+    blurred: bool = True,
+) -> Found:
+    """Return the most probable unknowns, from x and the prior of a size and a width.
+
+    Without `blurred` x is taken to be near them.
+    """
     mean = np.concatenate([problem.begin, np.zeros(x.size - problem.logs)])
     scale = problem.scale(size, width)
-    for stage, blur in enumerate(_blurs(problem.peak)):
+    for stage, blur in enumerate(_blurs(problem.peak)[0 if blurred else -1 :]):
         weight = 1 / np.sqrt(1 + blur**2)
         last = not np.any(blur)
         for again in range(2 if last else 1):
@@ -102,7 +113,7 @@ def search(problem: Problem, x: Array, size: float, width: float, told: Callable
     return Found(
         x,
         inverse[:n, :n],
-        float(left @ left),
+        left,
         float(x.size - np.trace(inverse)),
         0.5 * float(slope @ inverse @ slope),
         size,

@@ -59,7 +59,8 @@ def film(
     evenly over the film. `step_px` is the distance of samples. `light` is the colour that is used: luma, red,
     green or blue. With `line_px`, the ends ((x, y), (x, y)) of a line, the result is a kymograph along it,
     whose speeds `on_surface` measures; nothing is taken out of that. `noise_px` of the result is the noise of
-    one displacement, from three successive pairs. Needs scikit-image (`pip install 'cyclosis[film]'`), and
+    one displacement, from three successive pairs, and `window_px` the side of a square that averages as
+    optical flow does. Needs scikit-image (`pip install 'cyclosis[film]'`), and
     tifffile for TIFF (`cyclosis[data]`). Raises `InputError` in one sentence for films that cannot be read,
     that have fewer than two frames, or in which nothing moves.
 
@@ -132,6 +133,7 @@ def film(
         pixel_um=size,
         frame_s=float(np.median(np.diff(when))) if unit == "s" else None,
         noise_px=scatter,
+        window_px=moving.EVEN * shot.binned,
         format="film",
         source=str(path),
         notes=(*shot.notes, *notes),

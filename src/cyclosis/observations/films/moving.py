@@ -15,6 +15,8 @@ Bools = npt.NDArray[np.bool_]
 
 WINDOW = 10
 """Radius of the window of optical flow, in pixels."""
+EVEN = (2 * WINDOW + 1) / 4 * 12**0.5
+"""Side of a square with the second moments of that window, a Gaussian (2 WINDOW + 1)/4 pixels wide."""
 SMOOTH = 10.0
 """Light that varies over more pixels than this is taken out: the outline of the cell, and the lamp."""
 STILL_FRAMES = 16
