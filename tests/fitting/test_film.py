@@ -58,7 +58,7 @@ def test_the_search_ends_at_the_most_probable_unknowns(bend):
     assert found.covariance == pytest.approx(np.linalg.inv(hessian)[:2, :2], rel=1e-6)
     away = found.x[:2] - truth[:2]
     assert away @ np.linalg.solve(found.covariance, away) < 14  # 0.1 % of draws are beyond
-    assert found.chi2 / (400 - found.effective) == pytest.approx(1.0, abs=0.3)
+    assert found.left @ found.left / (400 - found.effective) == pytest.approx(1.0, abs=0.3)
     assert len(steps) < 40
 
 

@@ -32,6 +32,11 @@ TRIES, MOST = 8, 25
 CLOSE, CLOSED = 0.5, 1e-3
 """Expected gains at which a blurred stage and the last one end: twice this is the squared distance to the
 minimum in standard deviations."""
+STALE, WORTH, AIM = 8, 0.3, 0.1
+"""Most steps with the same slopes, the share of the expected gain below which these are computed again, and
+how much closer than necessary such steps come, so that new slopes find the end."""
+DAMPING = 1e-2, 1e-4
+"""Damping of the first step of all, and of the first step of each later stage."""
 LEAP = 0.7
 """Largest change of the logarithm of a parameter in one step."""
 WIDTHS, SIZES = (1.0, 4.0), (0.003, 0.5)
@@ -100,7 +105,9 @@ def search(
         weight = 1 / np.sqrt(1 + blur**2)
         last = not np.any(blur)
         for again in range(2 if last else 1):
-            x, parts = _descended(problem, x, mean, scale, weight, CLOSED if last else CLOSE, told)
+            x, parts = _descended(
+                problem, x, mean, scale, weight, CLOSED if last else CLOSE, DAMPING[bool(stage)], told
+            )
             if stage and not again:
                 size, width = _evident(problem, parts, size, width)
                 scale = problem.scale(size, width)
@@ -137,6 +144,7 @@ def _descended(
     scale: Array,
     weight: Array,
     close: float,
+    damping: float,
     told: Callable[[], None],
 ) -> tuple[Array, tuple[Array, Array, Array]]:
     """Return the minimum of one stage, and the slopes, the misfit and x - x_0 there."""
@@ -149,27 +157,34 @@ def _descended(
         return left, value if np.isfinite(value) else np.inf
 
     left, value = cost(x)
-    damping = 1e-2
     for _ in range(MOST):
         slopes = problem.jacobian(x) * weight
         told()
         white = scale[:, None] * slopes
         square = white @ white.T
-        slope = white @ left + (x - mean) / scale
         hessian = square + np.eye(x.size)
-        expected = 0.5 * float(slope @ np.linalg.solve(hessian, slope))
-        if expected < close:
-            break
-        for _ in range(TRIES):
-            step = -np.linalg.solve(hessian + damping * np.diag(np.diag(square)), slope)
-            step *= min(1.0, LEAP / max(float(np.abs(step[: problem.logs]).max(initial=0.0)), 1e-12))
-            there, after = cost(x + scale * step)
-            if after < value:
+        begun = x
+        # Slopes change little along the last steps and cost as much as many runs: they serve several steps.
+        for again in range(STALE):
+            slope = white @ left + (x - mean) / scale
+            expected = 0.5 * float(slope @ np.linalg.solve(hessian, slope))
+            if expected < (AIM if again else 1.0) * close:
                 break
-            damping *= 8
-        else:
+            for _ in range(1 if again else TRIES):
+                step = -np.linalg.solve(hessian + damping * np.diag(np.diag(square)), slope)
+                step *= min(1.0, LEAP / max(float(np.abs(step[: problem.logs]).max(initial=0.0)), 1e-12))
+                there, after = cost(x + scale * step)
+                if after < value:
+                    break
+                damping *= 8
+            else:
+                break
+            gained = value - after
+            x, left, value, damping = x + scale * step, there, after, max(damping / 5, 1e-9)
+            if gained < WORTH * expected:
+                break
+        if x is begun:
             break
-        x, left, value, damping = x + scale * step, there, after, max(damping / 5, 1e-9)
     return x, (slopes, left, x - mean)
 
 
