@@ -193,7 +193,7 @@ def repeated(
     film: Film, fixed: Mapping[str, float], angle: float, tilts: list[Tilt], draws: int, seed: int
 ) -> Repeats:
     """Return the `Repeats` of a film. Raises `TooSmall`."""
-    film = wrapped(film)
+    film = wrapped(film.cropped()).spread()
     P, u = film.P, film.u
     assert P is not None
     assert u is not None

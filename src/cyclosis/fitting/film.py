@@ -48,6 +48,30 @@ class Film:
         """The number of frames."""
         return self.times.size
 
+    def cropped(self) -> Film:
+        """Return the part of the film in the rows and columns in which something was seen."""
+        rows, columns = np.flatnonzero(self.seen.any(axis=1)), np.flatnonzero(self.seen.any(axis=0))
+        if not rows.size:
+            return self
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        P, u, angle = (None if f is None else f[..., *part] for f in (self.P, self.u, self.angle))
+        seen, known = self.seen[part], self.known[:, *part]
+        return replace(
+            self, theta=self.theta[part[0]], z=self.z[part[1]], P=P, u=u, angle=angle, seen=seen, known=known
+        )
+
+    def spread(self) -> Film:
+        """Return the film with the nearest value that was seen at points where there is none.
+
+        Slopes beside a hole would be wrong by the size of the field over the spacing if holes were 0.
+        """
+        from scipy.ndimage import distance_transform_edt
+
+        if self.seen.all() or not self.seen.any():
+            return self
+        i, j = distance_transform_edt(~self.seen, return_distances=False, return_indices=True)
+        return self.with_fields(*(None if f is None else f[:, :, i, j] for f in (self.P, self.u)))
+
     def with_fields(self, P: Array | None, u: Array | None) -> Film:
         """Return the same film with other fields."""
         return replace(self, P=P, u=u)

@@ -24,8 +24,9 @@ from .film import Film
 
 NODES = 24
 """Strips across a window in which its mean is taken."""
-RIM = 0.98
-"""Largest sin φ of the far edge of a window whose mean can be undone."""
+RIM, WIDEST = 0.98, 0.42
+"""Largest sin φ of the far edge of a window, and its largest width on the surface in radians, whose mean can
+be undone."""
 LARGEST = 1.0
 """Largest side of a window, in radii."""
 MEASURED = ("velocity",)
@@ -100,8 +101,8 @@ def averaging(window: Window | None, theta: Array, facing: float, m: Array, q: A
 def sharpened(film: Film, window: Window) -> Film:
     """Return a film whose u is that at the points, to fourth order in the side of the windows.
 
-    Points at the edge of what was seen have no second derivative and are dropped, and so are those whose
-    windows reach over the rim.
+    Points at the edge of what was seen have no second derivative and are dropped, and so are those where
+    windows are too wide or reach over the rim.
     """
     assert film.u is not None
     c = np.cos(film.theta - film.facing)[:, None]
@@ -115,11 +116,11 @@ def sharpened(film: Film, window: Window) -> Film:
     image = image - factor * bend
     u = np.stack([image[:, 0] / c, image[:, 1]], axis=1)
     reach = np.abs(np.sin(film.theta - film.facing)) + window.strips()[0].max()
-    seen = film.seen & (reach < RIM)[:, None]
+    seen = film.seen & ((reach < RIM)[:, None] & (window.side < WIDEST * c))
     gone = np.pad(~film.seen, 1, constant_values=True)
     for shifted in (gone[:-2, 1:-1], gone[2:, 1:-1], gone[1:-1, :-2], gone[1:-1, 2:]):
         seen &= ~shifted
-    return replace(film, u=np.where(seen, u, 0.0), seen=seen, known=film.known & seen)
+    return replace(film, u=np.where(seen, u, 0.0), seen=seen, known=film.known & seen).cropped()
 
 
 def _stencils(points: Array) -> tuple[Array, Array]:
