@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..model.grid import Array
-from .bumps import InSpace, in_space, in_time, slopes, weights
+from .bumps import IN_TIME, InSpace, area, in_space, in_time, slopes, weights
 from .film import Film
 from .geometry import Tilt, carried, turned
 from .noise import noise_of, surrogate
@@ -31,6 +31,10 @@ SMALLER = 0.8
 """Size of other bumps, relative to the usual ones, by which the error of the quadrature is measured."""
 USUAL_MU = 0.05
 """The μ that is assumed where rows are weighted; it does not bias the result."""
+LONGER = (1.0, 1.4, 2.0)
+"""Lengths of bumps in time that are tried, relative to the usual one."""
+RESOLVED = 5e-3
+"""A bump in time is resolved by the frames if its integral and those of its slope are exact within this."""
 _STEP = 0.25
 """Distance of test functions in half widths."""
 
@@ -59,7 +63,7 @@ class Estimate:
 
 
 class TooSmall(Exception):
-    """The window has no room for a test function."""
+    """The window has no room for a test function: "time" or "space"."""
 
 
 def wrapped(film: Film) -> Film:
@@ -91,7 +95,7 @@ def _half(points: Array, size: tuple[float, float], share: float) -> float:
     spacing = float(np.median(np.diff(points))) if points.size > 1 else np.inf
     half = min(max(size[0] * spacing, size[1]) * share, 0.499 * float(points[-1] - points[0]))
     if not half >= _FEWEST * spacing:
-        raise TooSmall
+        raise TooSmall("space")
     return half
 
 
@@ -101,8 +105,7 @@ def framed(film: Film, share: float = 1.0, tilt: Tilt | None = None) -> Frame:
     common = times[1:-1] if film.frames > 3 else times
     sub = times[::2]
     half_t = min(_half(sub, _TIME, share), 0.5 * (common[-1] - common[0]))
-    at = _centres(common, half_t)
-    halves = tuple((slice(k, None, 2), in_time(times[k::2], at, half_t)) for k in range(2))
+    halves = _halves(times, half_t, common)
     half = (_half(film.theta, _THETA, share), _half(film.z, _Z, share))
     rule = np.outer(weights(film.theta), weights(film.z)) * film.seen
     slope_theta, slope_z = slopes(film.theta), slopes(film.z)
@@ -117,8 +120,36 @@ def framed(film: Film, share: float = 1.0, tilt: Tilt | None = None) -> Frame:
     place = np.stack(np.meshgrid(_centres(film.theta, half[0]), _centres(film.z, half[1]), indexing="ij"))
     space, whole = in_space(theta.ravel(), z.ravel(), rule.ravel(), place.reshape(2, -1).T, half)
     if not whole.any():
-        raise TooSmall
+        raise TooSmall("space")
     return Frame(halves, space, Chart(slope_theta, slope_z, inverse), vectors)
+
+
+def _halves(times: Array, half: float, common: Array) -> tuple[tuple[slice, tuple[Array, Array]], ...]:
+    """Return the integrals in time of either half of the frames, over those bumps that both resolve.
+
+    Frames may have any spacing; a bump in which too many are missing is left out, and all are longer if
+    there are few of the usual length.
+    """
+    best: tuple[tuple[slice, tuple[Array, Array]], ...] = ()
+    most = 0
+    for longer in LONGER:
+        size = min(half * longer, 0.5 * float(common[-1] - common[0]))
+        at = _centres(common, size)
+        found = [in_time(times[k::2], at, size) for k in range(2)]
+        good = np.ones(at.size, bool)
+        for k, (value, slope) in enumerate(found):
+            there, whole = times[k::2] - at[:, None], size * area(IN_TIME)
+            good &= np.abs(value.sum(axis=1) / whole - 1) < RESOLVED
+            good &= np.abs((slope * there).sum(axis=1) / whole + 1) < RESOLVED
+            good &= np.abs(slope.sum(axis=1)) < RESOLVED
+        if good.sum() > most:
+            most = int(good.sum())
+            best = tuple((slice(k, None, 2), (v[good], s[good])) for k, (v, s) in enumerate(found))
+        if 2 * good.sum() >= at.size:
+            break
+    if not most:
+        raise TooSmall("time")
+    return best
 
 
 def halves(

@@ -24,6 +24,14 @@ EXACT = 1e-6
 """Share of the residual below which added noise shows that the data are exact: nothing is compared."""
 WRONG = (2.0, 0.05)
 """A model does not fit if it leaves this many times the noise, and this share of the signal."""
+COARSE = (
+    "The window has too few points for a test function, which needs seven in theta and in z; measure on a "
+    "finer grid or with smaller windows, or film a larger part of the surface."
+)
+GAPS = (
+    "No stretch of this film has enough frames for a test function, which needs about seven of every second "
+    "frame without a longer gap; film at even times, or fit by method film, which takes any."
+)
 ABOUT_STEADY = (
     "This film hardly changes (condition {0:.3g}, the limit is 50), so that alpha_p, alpha_u, "
     "epsilon, d_s, d_r "
@@ -65,11 +73,8 @@ def by_equation(
     film = film if window is None else sharpened(film, window)
     try:
         found = repeated(film, given, fixed.get("repulsion_angle", 0.0), tilts, draws, seed)
-    except TooSmall:
-        sentence = (
-            "The window has too few points for a test function, which needs seven in time, theta and z; "
-            "measure on a finer grid, or film a larger part of the surface."
-        )
+    except TooSmall as why:
+        sentence = GAPS if "time" in why.args else COARSE
         return refusal("equation", names, fixed, film, sentence, seed, noise, notes)
     return _judged(found, film, names, free, fixed, noise, seed, notes)
 
