@@ -19,6 +19,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ USUAL = {"equation": (64, 1.0, 30.0, 0.25), "film": (32, 4.0, 10.0, 0.5)}
 WRONG = 1.5
 
 
+@cache
 def film(seed: int, points: int, begin: float, end: float, every: float, facing: float) -> Any:
     """Return the exact film of a window: P, u, and the angle of the filaments from +z, in radians."""
     grid = cy.CylinderGrid(points, points)

@@ -55,18 +55,20 @@ def fit(
     """Return the parameters of a measured cell, with intervals, or a sentence that says what it cannot tell.
 
     data: an xarray.Dataset of the order P and the flow u of the cytoplasm, or of u alone, over time,
-    component
-    (theta, z), theta and z, as of a run: on any part of the surface, at any spacing, NaN where nothing was
-    seen. It is dimensionless (R, U, R/U), or in the units that its variables name (s, um, um/s, deg),
-    with `scales`. Without time, or in one frame, it is a steady profile.
+    component (theta, z), theta and z, as of a run: on any part of the surface, at any spacing, NaN where
+    nothing was seen. It is dimensionless (R, U, R/U), or in the units that its variables name (s, um, um/s,
+    deg), with `scales`. Without time, or in one frame, it is a steady profile. Frames may have any spacing.
+    In place of P there may be the angle of the filaments over time, theta and z, from +z towards +theta,
+    without polarity, as `on_surface` gives it.
 
     parameters: the names to report, all by default: alpha_p, alpha_u, epsilon, d_s, d_r, kappa, mu and U, the
     unit of speed in units of that of the data. All others stay unknown as well, unless `fix` gives their
     values. repulsion_angle is 0 unless it is fixed.
 
     method: "equation" tests the equations themselves on P and u; it takes seconds and needs no initial guess.
-    "film" matches a film of u by runs from an unknown initial state; it takes minutes, and U is 1 unless
-    `parameters` names it. "profile" fits the steady profile. "auto" takes the first that the data allow.
+    "film" matches a film of u by runs from an unknown initial state, and P or angles too where they are
+    given; it takes minutes, and U is 1 unless `parameters` names it. "profile" fits the steady profile.
+    "auto" takes the first that the data allow.
 
     geometry: standard deviations of the camera's geometry, of axis_deg, radius (relative) and centre (in
     radii); intervals then include it. `draws` times the estimated noise is added again, from `seed`, for the
@@ -102,7 +104,7 @@ def fit(
     names = tuple(name for name in ORDER if name in wanted and name not in fixed)
     if film.u is None:
         sentence = (
-            "P without a flow says neither which way filaments point nor how fast anything is; "
+            "Filaments without a flow say neither which way they point nor how fast anything is; "
             "measure the flow in the same film."
         )
         return refusal(method, names, fixed, film, sentence, seed)
@@ -112,6 +114,9 @@ def fit(
     if chosen == "equation":
         if film.P is None:
             rule, remedy = "given with method equation", "fit a film of u alone by method film"
+            if film.angle is not None:
+                rule = "given with method equation: |P|, which angles do not tell, is in every term"
+                remedy = "fit by method film, which compares runs with u and with the angles"
             raise InputError("P of the data", None, rule, remedy)
         return by_equation(film, wanted, fixed, moved, draws, seed, square, notes)
     if chosen == "film":

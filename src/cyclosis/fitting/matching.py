@@ -23,15 +23,15 @@ from ..model.precision import double
 from .compared import Arrays, Layout, columns, fields, misfit, waves
 from .film import Film
 from .judged import loud, refusal
-from .noise import noise_of, shared
+from .noise import left, noise_of, shared, size
 from .result import ORDER, Fit, directions, masked, of_logarithms
 from .search import Found, Problem, search
 from .windows import Window, averaging
 
 POINTS, DT, COARSE = 32, 0.125, 0.5
 """Points of the model's grid either way, and its longest steps in R/U for the misfit and for its slopes."""
-QUICK = 1.5
-"""Largest step of the slopes times the largest rate; a quarter of it for the misfit."""
+QUICK = 2.0
+"""Largest step of the slopes times the largest rate."""
 SHORTEST = 1 / 64
 FINEST, FEWEST, MOST_WAVES = 7.0, 3, 12
 """Largest wave number of the initial state, per radian or radius, and least and most waves along the cell."""
@@ -72,7 +72,7 @@ class Match:
     """A film prepared for matching.
 
     `squares` are k² of the waves of the initial state that are used, `share` the number of vectors that count
-    as one, by field, and `peaks` the largest size of each field.
+    as one, by field, `peaks` the largest size of each field, and `shapes` those of the film's arrays.
     """
 
     layout: Layout
@@ -80,6 +80,7 @@ class Match:
     squares: Array
     share: dict[str, float]
     peaks: dict[str, float]
+    shapes: dict[str, tuple[int, ...]]
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -93,12 +94,18 @@ class Match:
         n = len(layout.free)
 
         last: list[Array] = []
+        shortest = [DT]
+
+        def stepped(x: Array) -> float:
+            # It never grows again, so that what is minimised does not change back and forth.
+            shortest[0] = self.step(x, shortest[0], QUICK * DT / COARSE)
+            return shortest[0]
 
         def jacobian(x: Array) -> Array:
             if last and np.array_equal(last[0], x):  # the next stage begins where one ended
                 return last[1]
             unit = np.eye(-(-x.size // SHARE) * SHARE, x.size, dtype=np.float32)
-            at, dt = jnp.asarray(x, jnp.float32), self.step(x, COARSE, QUICK)
+            at, dt = jnp.asarray(x, jnp.float32), stepped(x) * COARSE / DT
             shares = [
                 columns(layout, single, at, unit[k : k + SHARE], dt, "float32")
                 for k in range(0, x.size, SHARE)
@@ -110,7 +117,7 @@ class Match:
         peaks = [self.peaks[name] / np.asarray(arrays.sigma[name]) for name in layout.fields]
         kept = arrays.kept
         return Problem(
-            lambda x: np.asarray(misfit(layout, arrays, x, self.step(x, DT, QUICK / 4), "float64")),
+            lambda x: np.asarray(misfit(layout, arrays, x, stepped(x), "float64")),
             jacobian,
             np.log([START[name] for name in layout.free[:n]]),
             np.tile(self.squares, 2),
@@ -129,10 +136,22 @@ class Match:
             longest /= 2
         return longest
 
-    def louder(self, by: dict[str, float]) -> Match:
-        """Return the same film with other standard deviations."""
-        sigma = {name: by[name] * each for name, each in self.arrays.sigma.items()}
-        return replace(self, arrays=self.arrays._replace(sigma=sigma))
+    def quieter(self, x_left: Array, taken: float) -> tuple[Match, float]:
+        """Return the same film with the noise that a run leaves, and by how much that is smaller.
+
+        `taken` is the share of the values that the unknowns do not take.
+        """
+        sigma, share, least = {}, {}, np.inf
+        for name, part in self.parts(x_left).items():
+            before = np.asarray(self.arrays.sigma[name])
+            field = np.full(self.shapes[name], np.nan)
+            field.flat[self.arrays.at[name]] = part * before
+            share[name] = shared(field)
+            spread = np.broadcast_to(np.sqrt(share[name] * size(field) / taken), field.shape)
+            sigma[name] = spread.flat[self.arrays.at[name]]
+            unshared = before / np.sqrt(self.share[name])
+            least = min(least, float(np.sqrt(np.mean(size(field)) / taken / np.mean(unshared**2))))
+        return replace(self, arrays=self.arrays._replace(sigma=sigma), share=share), 1 / least
 
     def parts(self, left: Array) -> dict[str, Array]:
         """Return what is left of each field."""
@@ -172,9 +191,6 @@ def by_film(
     if sentence is not None:
         return refusal("film", names, fixed, film, sentence, seed, noise, notes)
     match = _match(film, free, fixed, length, window)
-    alike = max(match.share.values())
-    if alike > 1.2:
-        notes = (*notes, ALIKE.format(alike))
     with double():
         return _fitted(match, film, names, free, fixed, noise, seed, notes, progress)
 
@@ -213,7 +229,7 @@ def _match(
     kept = np.nonzero(squares <= max(FINEST, FEWEST * first) ** 2)
     q = first * np.arange(POINTS // 2 + 1, dtype=np.float64)
     given = {name: value for name, value in fixed.items() if name in (*ORDER, "repulsion_angle")}
-    known, data, sigma, share, peaks = _measured(film)
+    known, data, sigma, share, peaks, shapes = _measured(film)
     layout = Layout(
         grid,
         free,
@@ -232,12 +248,12 @@ def _match(
         sigma,
         known,
     )
-    return Match(layout, arrays, squares[kept], share, peaks)
+    return Match(layout, arrays, squares[kept], share, peaks, shapes)
 
 
-def _measured(film: Film) -> tuple[Any, Any, Any, Any, Any]:
-    """Return places, values, standard deviations, vectors that count as one, and the peak of each field."""
-    at, data, sigma, share, peaks = {}, {}, {}, {}, {}
+def _measured(film: Film) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Return places, values, deviations, vectors that count as one, peaks and shapes, by field."""
+    at, data, sigma, share, peaks, shapes = {}, {}, {}, {}, {}, {}
     used = np.zeros(film.frames, bool)
     values = sum(2 * film.known.sum() for field in (film.u, film.P) if field is not None)
     used[:: max(1, int(np.ceil(values / MOST)))] = True
@@ -249,21 +265,21 @@ def _measured(film: Film) -> tuple[Any, Any, Any, Any, Any]:
             known = np.isfinite(field)
             values = np.where(known, field, 0.0)
             doubled = np.stack([np.cos(2 * values), np.sin(2 * values)], axis=1)
+            noise, peaks[name] = left(doubled, film.times, known), 1.0
             variance = noise_of(doubled, film.times, known).sum(axis=0) / 4
-            share[name] = shared(doubled, film.times, known)
-            peaks[name] = 1.0
         else:
             known = np.broadcast_to(known[:, None], field.shape)
+            noise, peaks[name] = left(field, film.times, film.known), _peak(field, film.known)
             variance = noise_of(field, film.times, film.known)
-            share[name] = shared(field, film.times, film.known)
-            peaks[name] = _peak(field, film.known)
+        share[name] = shared(noise)
+        shapes[name] = field.shape
         variance = np.maximum(variance, 1e-2 * variance[..., film.known.any(axis=0)].mean())
         chosen = known & used.reshape(-1, *[1] * (field.ndim - 1))
         at[name] = np.flatnonzero(chosen).astype(np.int32)
         data[name] = values[chosen]
         spread = np.sqrt(share[name] * np.maximum(variance, 1e-300))
         sigma[name] = np.broadcast_to(spread, field.shape)[chosen]
-    return at, data, sigma, share, peaks
+    return at, data, sigma, share, peaks, shapes
 
 
 def _real_waves(angle: Array, most: int) -> Array:
@@ -305,14 +321,9 @@ def _searched(match: Match, film: Film, told: Callable[[], None]) -> tuple[Match
     ratio = _ratio(match, found)
     if ratio >= SPARSE:
         return match, found, ratio, 1.0
-    parts = match.parts(found.left)
-    by = {
-        name: float(np.sqrt(match.share[name] * np.mean(part**2) * len(found.left) / _free(match, found)))
-        for name, part in parts.items()
-    }
-    match = match.louder(by)
+    match, over = match.quieter(found.left, _free(match, found) / found.left.size)
     found = search(match.problem(), found.x, found.size, found.width, told, blurred=False)
-    return match, found, _ratio(match, found), 1 / max(by.values())
+    return match, found, _ratio(match, found), over
 
 
 def _free(match: Match, found: Found) -> float:
@@ -346,6 +357,9 @@ def _fitted(
             progress(min(done[0], STAGES), STAGES + 1)
 
     match, found, ratio, over = _searched(match, film, told)
+    alike = max(match.share.values())
+    if alike > 1.2:
+        notes = (*notes, ALIKE.format(alike))
     if over > 1.0:
         notes = (
             *notes,
@@ -399,7 +413,7 @@ def _predicted(match: Match, film: Film, x: Array) -> Any:
 
     arrays = match.arrays
     with double():
-        P, u = fields(match.layout, arrays, jnp.asarray(x), match.step(x, DT, QUICK / 4), "float64")
+        P, u = fields(match.layout, arrays, jnp.asarray(x), match.step(x, DT, QUICK * DT / COARSE), "float64")
         P, u = (np.asarray(waves(f)) for f in (P, u))
     there = np.einsum("am,tcmn,bn->tcab", arrays.around, P, arrays.along).real
     flow = np.einsum("camn,tcmn,bn->tcab", arrays.windows, u, arrays.along).real

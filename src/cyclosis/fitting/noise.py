@@ -72,26 +72,29 @@ def noise_of(field: Array, times: Array, known: npt.NDArray[np.bool_]) -> Array:
     found = left(field, times, known)
     if found is None:
         return np.zeros(field.shape[1:])
+    return size(found)
+
+
+def size(found: Array) -> Array:
+    """Return the mean square of noise (n, ..., n_theta, n_z) in each row along z, without its first axis."""
     good = np.isfinite(found)
     count = good.sum(axis=(0, -1))
     rows = np.where(good, found**2, 0.0).sum(axis=(0, -1)) / np.maximum(count, 1)
     every = float(np.where(good, found**2, 0.0).sum() / max(good.sum(), 1))
     rows = np.where(count > 0, rows, every)
-    return np.repeat(rows[..., None], field.shape[-1], axis=-1)
+    return np.repeat(rows[..., None], found.shape[-1], axis=-1)
 
 
-def shared(field: Array, times: Array, known: npt.NDArray[np.bool_]) -> float:
-    """Return how many vectors share the noise of one: the sum of its correlations with its neighbours.
+def shared(found: Array | None) -> float:
+    """Return how many vectors share noise (n, ..., n_theta, n_z): the sum of correlations with neighbours.
 
     Overlapping windows and interpolation make neighbours alike, so that n of them tell as much as n divided
     by this about anything that is wider. It is 1 for independent noise.
     """
-    found = left(field, times, known)
-    if found is None:
+    if found is None or not np.isfinite(found).any():
         return 1.0
-    flat = found.reshape(-1, *found.shape[-2:])
-    size = np.sqrt(np.nanmean(found**2, axis=(0, -1), keepdims=True))
-    flat = np.where(np.isfinite(found), found / np.where(size > 0, size, 1.0), np.nan).reshape(flat.shape)
+    scale = np.sqrt(size(found))
+    flat = (found / np.where(scale > 0, scale, 1.0)).reshape(-1, *found.shape[-2:])
     return float(np.prod([_along(flat, axis) for axis in (1, 2)]))
 
 

@@ -27,7 +27,7 @@ from ..model.grid import Array
 
 BLUR, FALL = 0.25, 4.0
 """The first blur, as a share of the peak of u, and the factor by which it falls from stage to stage."""
-TRIES, MOST = 8, 25
+TRIES, MOST = 8, 15
 """Damped trials per step, and steps in a stage."""
 CLOSE, CLOSED = 0.5, 1e-3
 """Expected gains at which a blurred stage and the last one end: twice this is the squared distance to the
