@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 import cyclosis as cy
-from cyclosis.fitting import matching
+from cyclosis.fitting import prepared
 
 TRUTH = {**{name: float(value) for name, value in cy.Parameters().items()}, "U": 1.0}
 USUAL = {"equation": (64, 1.0, 30.0, 0.25), "film": (32, 4.0, 10.0, 0.5)}
@@ -55,13 +55,13 @@ def drawn(given: Any, draw: int, noise: float) -> Any:
     rng = np.random.default_rng(1000 + draw)
     data = exact[given.fields].map(lambda f: f + noise * rng.normal(size=f.shape), keep_attrs=True)
     wrong = WRONG ** rng.choice([-1.0, 1.0], 7)
-    shift = dict(zip(matching.START, [*wrong, 1.0], strict=True))
+    shift = dict(zip(prepared.START, [*wrong, 1.0], strict=True))
     usual = {name: TRUTH[name] * by for name, by in shift.items()}
-    before, matching.START = matching.START, usual
+    before, prepared.START = prepared.START, usual
     try:
         return cy.fit(data.assign_attrs(exact.attrs), method=given.method, seed=draw)
     finally:
-        matching.START = before
+        prepared.START = before
 
 
 def table(fits: list[Any]) -> str:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cyclosis as cy
-from cyclosis.fitting import matching
+from cyclosis.fitting import prepared
 from cyclosis.fitting.search import Problem, search
 
 NAMES = ("alpha_p", "alpha_u", "epsilon", "d_s", "d_r", "kappa", "mu")
@@ -86,8 +86,8 @@ def film():
 @pytest.fixture
 def small(monkeypatch):
     """A small model: 16 points either way and waves up to 6, beyond which the film has none."""
-    monkeypatch.setattr(matching, "POINTS", 16)
-    monkeypatch.setattr(matching, "FINEST", 6.0)
+    monkeypatch.setattr(prepared, "POINTS", 16)
+    monkeypatch.setattr(prepared, "FINEST", 6.0)
 
 
 def noisy(film, noise, seed=0):
@@ -96,7 +96,7 @@ def noisy(film, noise, seed=0):
     return data.assign(u=data["u"] + noise * rng.normal(size=data["u"].shape))
 
 
-KNOWN = {name: TRUTH[name] for name in ("epsilon", "d_r", "kappa", "mu", "alpha_u")}
+KNOWN = {name: TRUTH[name] for name in ("epsilon", "d_r", "mu", "alpha_u")}
 """What is given where a test is to be quick."""
 
 
@@ -111,7 +111,7 @@ def test_an_exact_film_gives_the_parameters(film, small, monkeypatch):
     """From a start that is wrong by half."""
     signs = (1, -1, 1, -1, 1, -1, 1)
     start = {name: TRUTH[name] * 1.5**sign for name, sign in zip(NAMES, signs, strict=True)}
-    monkeypatch.setattr(matching, "START", {**start, "U": 1.0})
+    monkeypatch.setattr(prepared, "START", {**start, "U": 1.0})
     fit = cy.fit(film[["u"]].isel(theta=slice(2, 14)), method="film")
     assert fit.refused is None
     for name, truth in TRUTH.items():
@@ -153,16 +153,19 @@ def test_a_film_of_another_model_is_refused(film, small):
 
 
 @pytest.mark.slow
-def test_holes_and_uneven_times_do_not_matter(film, small):
-    data = noisy(film, 0.01).isel(time=[0, 1, 2, 3, 5, 6, 7, 9, 10, 12, 13, 14])
+def test_holes_and_uneven_frames_far_apart(film, small):
+    """Differences between such frames are change; the noise is what the run leaves."""
+    data = noisy(film, 0.003).isel(time=[0, 2, 4, 5, 7, 9, 11, 14])
     rng = np.random.default_rng(1)
-    data = data.where(rng.random(data["u"].shape[:1] + data["u"].shape[2:])[:, None] > 0.2)
+    data = data.where(rng.random(data["u"].shape[:1] + data["u"].shape[2:])[:, None] > 0.1)
     data["u"][:, :, :2, 3:6] = np.nan
     fit = cy.fit(data, fix=KNOWN, method="film")
     assert fit.refused is None
-    assert fit.noise["u"] == pytest.approx(0.01, rel=0.1)
+    assert "far apart" in fit.notes[0]
+    assert fit.residual == pytest.approx(1.0, abs=0.1)
     assert near(fit, "alpha_p")
     assert near(fit, "d_s")
+    assert fit.estimate["d_s"] == pytest.approx(TRUTH["d_s"], rel=0.1)
 
 
 def smooth(noise):
@@ -188,16 +191,6 @@ def test_noise_that_neighbours_share_widens_the_intervals(film, small):
         assert 1.3 < wider < 2.6  # each of four vectors counts as one: twice as wide
 
 
-@pytest.mark.slow
-def test_frames_far_apart_take_their_noise_from_the_run(film, small):
-    data = noisy(film, 0.003).isel(time=slice(0, None, 2))
-    fit = cy.fit(data, fix=KNOWN, method="film")
-    assert fit.refused is None
-    assert "far apart" in fit.notes[0]
-    assert near(fit, "alpha_p")
-    assert near(fit, "d_s")
-
-
 def angles(P):
     """Return the angles of filaments from +z, without polarity."""
     return np.arctan(P.sel(component="theta") / P.sel(component="z"))
@@ -206,12 +199,12 @@ def angles(P):
 @pytest.mark.slow
 def test_angles_tell_what_the_flow_does_not(film, small):
     data, rng = noisy(film, 0.02), np.random.default_rng(7)
-    known = {name: TRUTH[name] for name in ("epsilon", "d_r", "mu", "alpha_u", "d_s")}
     order = film.isel(theta=slice(2, 14))["P"]
-    seen = angles(order) + 0.05 * rng.normal(size=order.isel(component=0).shape)
-    flow, both = (cy.fit(each, fix=known, method="film") for each in (data, data.assign(angle=seen)))
-    for name in ("alpha_p", "kappa"):
+    seen = angles(order) + 0.2 * rng.normal(size=order.isel(component=0).shape)
+    flow, both = (cy.fit(each, fix=KNOWN, method="film") for each in (data, data.assign(angle=seen % np.pi)))
+    assert both.refused is None
+    for name in ("alpha_p", "kappa", "d_s"):
         assert near(both, name)
-    assert np.ptp(both.interval["kappa"]) < 0.7 * np.ptp(flow.interval["kappa"])
+    assert np.ptp(both.interval["kappa"]) < 0.8 * np.ptp(flow.interval["kappa"])
     with pytest.raises(cy.InputError, match="angles do not tell"):
         cy.fit(data.assign(angle=seen), method="equation")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..model.grid import Array
-from .bumps import IN_TIME, InSpace, area, in_space, in_time, slopes, weights
+from .bumps import InSpace, in_space, in_time, slopes, weights
 from .film import Film
 from .geometry import Tilt, carried, turned
 from .noise import noise_of, surrogate
@@ -33,8 +33,8 @@ USUAL_MU = 0.05
 """The μ that is assumed where rows are weighted; it does not bias the result."""
 LONGER = (1.0, 1.4, 2.0)
 """Lengths of bumps in time that are tried, relative to the usual one."""
-RESOLVED = 5e-3
-"""A bump in time is resolved by the frames if its integral and those of its slope are exact within this."""
+LONGEST_GAP, INNER = 0.5, 0.8
+"""Longest gap between frames within the inner part of a bump in time, both relative to half its length."""
 _STEP = 0.25
 """Distance of test functions in half widths."""
 
@@ -137,11 +137,10 @@ def _halves(times: Array, half: float, common: Array) -> tuple[tuple[slice, tupl
         at = _centres(common, size)
         found = [in_time(times[k::2], at, size) for k in range(2)]
         good = np.ones(at.size, bool)
-        for k, (value, slope) in enumerate(found):
-            there, whole = times[k::2] - at[:, None], size * area(IN_TIME)
-            good &= np.abs(value.sum(axis=1) / whole - 1) < RESOLVED
-            good &= np.abs((slope * there).sum(axis=1) / whole + 1) < RESOLVED
-            good &= np.abs(slope.sum(axis=1)) < RESOLVED
+        for k in range(2):
+            early, late = times[k::2][:-1] - at[:, None], times[k::2][1:] - at[:, None]
+            wide = (late - early > LONGEST_GAP * size) & (late > -INNER * size) & (early < INNER * size)
+            good &= ~wide.any(axis=1)
         if good.sum() > most:
             most = int(good.sum())
             best = tuple((slice(k, None, 2), (v[good], s[good])) for k, (v, s) in enumerate(found))
