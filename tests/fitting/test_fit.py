@@ -262,3 +262,16 @@ def test_the_camera_geometry_is_a_rotation_where_it_should_be():
     assert (moved[0][0] - moved[1][0])[4] / (2 * h) == pytest.approx(z - 1.0, abs=1e-6)
     assert len(tilts({"axis_deg": 1.0}, 8, np.random.default_rng(0))) == 8
     assert tilts({}, 8, np.random.default_rng(0)) == []
+
+
+def test_holes_are_filled_from_frames_of_their_own_half():
+    """Noise of odd frames must not reach even ones, whose columns are instruments for them."""
+    u = np.zeros((20, 2, 3, 4))
+    u[1::2] = 1.0
+    hidden = np.random.default_rng(0).random((20, 1, 3, 4)) < 0.2
+    dims = ("time", "component", "theta", "z")
+    places = {"time": np.arange(20.0), "theta": np.arange(3.0), "z": np.arange(4.0)}
+    data = xarray.Dataset({"u": (dims, np.where(hidden, np.nan, u))}, places)
+    found = film_of(data, None)
+    assert found.u[:, :, found.seen] == pytest.approx(u[:, :, found.seen])
+    assert (found.known == ~hidden[:, 0]).all()

@@ -213,17 +213,27 @@ def _facing(data: xarray.Dataset, theta: Array) -> float:
 
 
 def _filled(array: Array, times: Array, known: npt.NDArray[np.bool_], seen: npt.NDArray[np.bool_]) -> Array:
-    """Return an array with holes of what was seen filled by cubic interpolation in time, and others by 0."""
+    """Return an array with holes of what was seen filled by cubic interpolation in time, and others by 0.
+
+    Odd and even frames are filled from their own kind, so that their noise stays independent.
+    """
+    out = np.where(known[:, None], array, 0.0)
+    for k in range(2 if times.size > 1 else 1):
+        _fill(out[k::2], times[k::2], known[k::2], seen)
+    return out
+
+
+def _fill(out: Array, times: Array, known: npt.NDArray[np.bool_], seen: npt.NDArray[np.bool_]) -> None:
     from scipy.interpolate import CubicSpline
 
-    out = np.where(known[:, None], array, 0.0)
     for i, j in zip(*np.nonzero(seen & ~known.all(axis=0)), strict=True):
         good = known[:, i, j]
-        at, values = times[good], array[good][:, :, i, j]
+        if not good.any():
+            continue
+        at, values = times[good], out[good][:, :, i, j]
         # Beyond the first and the last value that was measured, the nearest one is taken.
         when = np.clip(times[~good], at[0], at[-1])
         if at.size > 3:
             out[~good, :, i, j] = CubicSpline(at, values)(when)
         else:
             out[~good, :, i, j] = values[np.abs(when[:, None] - at).argmin(axis=1)]
-    return out
