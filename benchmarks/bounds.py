@@ -67,9 +67,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.parse_args()
+    parser.add_argument("--only", default="", help="films whose name contains this")
+    given = parser.parse_args()
     print("| film |", " | ".join(NAMES), "|")
     for name, film in FILMS.items():
+        if given.only not in name:
+            continue
         print(f"| {name} |", " | ".join(f"{100 * each:.1f}" for each in bound(*film)), "|", flush=True)
 
 

@@ -18,8 +18,9 @@ from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 
 PLAIN = Parameters()
-FAINT = 0.01
-"""|P| below which a run has no direction that could be compared with an angle."""
+FAINT = 0.2
+"""|P| around and below which the angle of a run counts less. With a small one the search is caught where P
+vanishes, because a defect of the angles cannot move without misfit."""
 
 
 @dataclass(frozen=True)

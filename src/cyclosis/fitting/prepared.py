@@ -246,6 +246,10 @@ def begin(match: Match, film: Film, problem: Problem, size: float) -> Array:
     seen = count > 0
     mean = np.where(film.known[early][:, None], film.u[early], 0.0).sum(axis=0)[:, seen] / count[seen]
     P = mean / np.maximum(np.hypot(*mean), 1e-12) ** (2 / 3)
+    if film.angle is not None:
+        along = np.stack([np.sin(film.angle[0]), np.cos(film.angle[0])])[:, seen]
+        along = along * np.sign((along * mean).sum(axis=0))
+        P = np.where(np.isfinite(along), np.hypot(*P) * along, P)
     if film.P is not None:
         P = np.where(film.known[early][:, None], film.P[early], 0.0).sum(axis=0)[:, seen] / count[seen]
     # Ridge regression of the window's values on the prior's waves.
