@@ -5,8 +5,10 @@ import pytest
 import xarray
 
 import cyclosis as cy
-from cyclosis.fitting.film import film_of, noise_of
+from cyclosis.fitting.film import film_of
 from cyclosis.fitting.geometry import Tilt, tilts
+from cyclosis.fitting.noise import noise_of
+from cyclosis.fitting.windows import Window, averaging
 
 TRUTH = {
     "alpha_p": 1.0,
@@ -126,6 +128,83 @@ def test_what_cannot_be_told_is_refused(film):
         assert "efused" in repr(fit)
 
 
+@pytest.mark.slow
+def test_uneven_frames_and_holes_are_used_as_they_are(film):
+    rng = np.random.default_rng(2)
+    frames = np.sort(rng.choice(81, 66, replace=False))
+    data = part(film, 0.01).isel(time=frames)
+    data = data.where(rng.random((66, 28, 32))[:, None] > 0.1)
+    data["u"][:, :, 10:14, 12:15] = np.nan
+    fit = cy.fit(data)
+    assert fit.refused is None
+    for name in ("alpha_p", "alpha_u", "kappa", "d_s", "mu", "U"):
+        low, high = fit.interval[name]
+        assert low - 0.5 * (high - low) < TRUTH[name] < high + 0.5 * (high - low), name
+        assert fit.estimate[name] == pytest.approx(TRUTH[name], rel=0.1), name
+    gaps = cy.fit(part(film).isel(time=[k for k in range(81) if k % 20 < 5]))
+    assert "enough frames" in gaps.refused
+
+
+def test_few_points_are_refused(film):
+    assert "too few points" in cy.fit(part(film).isel(z=slice(0, 6))).refused
+
+
+def placed(film, theta, window=None):
+    """Return the film at other angles, with u averaged over a window."""
+    grid = cy.CylinderGrid(32, 32)
+    along = np.exp(1j * np.outer(grid.z, grid.q))
+    fields = {}
+    for name, by in (("P", None), ("u", window)):
+        operator = averaging(by, theta, np.pi, grid.m, grid.q)
+        waves = np.fft.fft2(film[name].values, norm="forward")
+        field = np.einsum("camn,tcmn,bn->tcab", operator, waves, along, optimize=True).real
+        fields[name] = (film[name].dims, field)
+    coords = {"time": film["time"], "component": ["theta", "z"], "theta": theta, "z": film["z"]}
+    return xarray.Dataset(fields, coords, {"facing": np.pi})
+
+
+@pytest.mark.slow
+def test_windows_are_taken_out(film):
+    """Averages over windows of 0.3 radii make μ too large by a twentieth, unless the window is known."""
+    data = placed(film, np.pi + np.linspace(-1.0, 1.0, 33), Window(0.3))
+    plain, known = cy.fit(data), cy.fit(data, window=0.3)
+    assert plain.estimate["mu"] > 1.05 * TRUTH["mu"]
+    assert known.estimate["mu"] == pytest.approx(TRUTH["mu"], rel=0.02)
+    assert known.estimate["kappa"] == pytest.approx(TRUTH["kappa"], rel=0.01)
+    measured = data.assign_attrs(measurement="velocity")
+    assert "window_px" in cy.fit(measured).notes[0]
+    told = cy.fit(measured.assign_attrs(window_px=30.0, radius_px=100.0))
+    assert told.notes == ()
+    assert told.estimate == known.estimate
+    with pytest.raises(cy.InputError, match="window"):
+        cy.fit(data, window=2.0)
+
+
+@pytest.mark.slow
+def test_noise_that_neighbours_share_is_added_again_as_it_is(film):
+    hits, wide = [], []
+    for seed in range(3):
+        data, rng = part(film), np.random.default_rng(seed)
+        for name in data:
+            noise = rng.normal(size=data[name].shape)
+            for axis in (2, 3):
+                noise = (noise + np.roll(noise, 1, axis)) / np.sqrt(2)
+            data[name] = data[name] + 0.02 * noise
+        fit = cy.fit(data, seed=seed)
+        hits += [fit.interval[name][0] <= truth <= fit.interval[name][1] for name, truth in TRUTH.items()]
+        wide.append(np.ptp(fit.interval["alpha_p"]))
+    assert np.mean(hits) > 0.8
+    assert np.mean(wide) > 1.4 * np.ptp(cy.fit(part(film, 0.02)).interval["alpha_p"])
+
+
+def test_weak_instruments_are_refused(film):
+    """A film that ends before streams appear."""
+    fit = cy.fit(part(film, 0.05).isel(time=slice(0, 24)))
+    assert "strength of the instruments" in fit.refused
+    assert fit.strength["mu"] < 10
+    assert np.isnan(fit.estimate["mu"])
+
+
 def test_another_model_is_refused(film):
     data = part(film, 0.01)
     mirrored = data.assign(u=data["u"] * xarray.DataArray([1.0, -1.0], dims="component"))
@@ -166,7 +245,9 @@ def test_noise_is_found_by_component_and_angle(film):
     rng = np.random.default_rng(0)
     data["u"] = data["u"] + rng.normal(size=data["u"].shape) * size[None, None, :, None]
     found = film_of(data, None)
-    assert np.sqrt(noise_of(found.u, found.seen)[:, :, 0]) == pytest.approx(np.stack([size, size]), rel=0.1)
+    assert np.sqrt(noise_of(found.u, found.times, found.known)[:, :, 0]) == pytest.approx(
+        np.stack([size, size]), rel=0.1
+    )
 
 
 def test_the_camera_geometry_is_a_rotation_where_it_should_be():
@@ -181,3 +262,16 @@ def test_the_camera_geometry_is_a_rotation_where_it_should_be():
     assert (moved[0][0] - moved[1][0])[4] / (2 * h) == pytest.approx(z - 1.0, abs=1e-6)
     assert len(tilts({"axis_deg": 1.0}, 8, np.random.default_rng(0))) == 8
     assert tilts({}, 8, np.random.default_rng(0)) == []
+
+
+def test_holes_are_filled_from_frames_of_their_own_half():
+    """Noise of odd frames must not reach even ones, whose columns are instruments for them."""
+    u = np.zeros((20, 2, 3, 4))
+    u[1::2] = 1.0
+    hidden = np.random.default_rng(0).random((20, 1, 3, 4)) < 0.2
+    dims = ("time", "component", "theta", "z")
+    places = {"time": np.arange(20.0), "theta": np.arange(3.0), "z": np.arange(4.0)}
+    data = xarray.Dataset({"u": (dims, np.where(hidden, np.nan, u))}, places)
+    found = film_of(data, None)
+    assert found.u[:, :, found.seen] == pytest.approx(u[:, :, found.seen])
+    assert (found.known == ~hidden[:, 0]).all()

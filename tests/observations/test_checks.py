@@ -152,3 +152,18 @@ def test_speeds_that_alias_are_refused():
         cy.observations.line_speeds(np.ones((1, 300)))
     with refused("two parallel edges"):
         cy.observations.rim(np.random.default_rng(0).random((100, 100)))
+
+
+@pytest.mark.parametrize(
+    ("speed", "window", "far"), [(6.0, 16.0, True), (5.0, 16.0, False), (6.0, 32.0, False)]
+)
+def test_displacements_beyond_a_third_of_a_window_are_noted(tmp_path, speed, window, far):
+    file = tmp_path / "vectors.txt"
+    file.write_text("\n".join(f"{x} {y} {speed} 0.0" for y in (0, 8, 16) for x in (0, 8, 16)))
+    given = {"columns": {"x": 0, "y": 1, "u": 2, "v": 3}, "y": "down", "speed": "px/frame", "frame_s": 0.5}
+    seen = cy.observations.read(file, window_px=window, **given)
+    assert any("a third of a window" in note for note in seen.notes) == far
+    assert seen.window_px == window
+    assert not any("a third" in note for note in cy.observations.read(file, **given).notes)
+    cell = seen.view(20.0, 0.0, (8.0, 8.0), mirrored=False)
+    assert cell.on_surface().attrs["window_px"] == window

@@ -18,7 +18,7 @@ def fit(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="NetCDF file with P and u, or u alone, over time, component, theta and z.",
+            help="NetCDF file with P and u, or u with or without angles, over time, component, theta and z.",
             show_default=False,
         ),
     ],
@@ -41,6 +41,13 @@ def fit(
     ] = None,
     length: Annotated[
         float | None, typer.Option(metavar="NUMBER", help="Period of the cell along its axis, for a film.")
+    ] = None,
+    window: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NUMBER",
+            help="Side of the windows of which vectors are averages, in radii; by default that of the file.",
+        ),
     ] = None,
     radius_um: Annotated[
         float | None, typer.Option("--radius-um", metavar="NUMBER", help="Radius of the cell, in µm.")
@@ -86,6 +93,7 @@ def fit(
             seed,
             geometry=_pairs("geometry", geometry) or None,
             length=length,
+            window=window,
             progress=bar,
         )
     print(found)
@@ -115,7 +123,7 @@ def _opened(file: Path) -> Any:
     place = named(file)
     try:
         with xarray.open_dataset(place, engine="h5netcdf", decode_times=False) as data:
-            return data[[name for name in ("P", "u") if name in data]].load()
+            return data[[name for name in ("P", "u", "angle") if name in data]].load()
     except (OSError, ValueError, KeyError, RuntimeError) as error:
         reason = " ".join(str(error).split())[:100]
         rule = "a NetCDF file with P and u, or u alone"

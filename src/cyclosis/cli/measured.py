@@ -163,7 +163,8 @@ def measure(
         _option(
             "--window-px",
             metavar="PX",
-            help="OpenPIV's search window, to correct its positions; of a film, the window to use.",
+            help="Side of the windows of which vectors are averages (corrects OpenPIV's positions too), "
+            "or in a film of those to use.",
             group=FILE,
         ),
     ] = None,

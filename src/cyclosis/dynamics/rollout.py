@@ -2,7 +2,9 @@
 
 The intervals between saved times are cut into equal steps as in `simulate`. Every step is a checkpoint: the
 backward pass keeps one spectrum per step and repeats the four right-hand sides of a step, which needs less
-memory than keeping their intermediate fields and is also faster.
+memory than keeping their intermediate fields and is also faster. The choice of the coefficients, and whether
+a step is taken at all, lie within the checkpoint: outside it, ten fields of coefficients are kept with every
+step.
 """
 
 from __future__ import annotations
@@ -50,19 +52,20 @@ def march(system: System, spectrum: jax.Array, steps: Plan, most: int) -> jax.Ar
     """Return the spectra (n, n_theta, n_z) at the ends of the intervals; `most` is the largest count."""
     linear = system.linear()
     tables = jax.vmap(partial(tableau, linear))(jnp.asarray(steps.lengths))
+    many = len(steps.lengths) > 1
 
     @jax.checkpoint
-    def once(Z: jax.Array, table: Any, h: Any) -> jax.Array:
-        return step(system, table, 0.0, h, Z, system.nonlinear(system.at(Z, 0.0))).spectrum
+    def one(Z: jax.Array, j: Any, which: Any, count: Any) -> jax.Array:
+        row = which if many else 0
+        table, h = jax.tree.map(lambda rows: rows[row], (tables, jnp.asarray(steps.lengths)))
+
+        def once(Z: jax.Array) -> jax.Array:
+            return step(system, table, 0.0, h, Z, system.nonlinear(system.at(Z, 0.0))).spectrum
+
+        return jax.lax.cond(j < count, once, lambda Z: Z, Z)
 
     def interval(Z: jax.Array, item: tuple[Any, Any]) -> tuple[jax.Array, jax.Array]:
-        which, count = item
-        table, h = jax.tree.map(lambda rows: rows[which], (tables, jnp.asarray(steps.lengths)))
-
-        def one(Z: jax.Array, j: Any) -> tuple[jax.Array, None]:
-            return jax.lax.cond(j < count, once, lambda Z, *_: Z, Z, table, h), None
-
-        Z, _ = jax.lax.scan(one, Z, jnp.arange(most))
+        Z, _ = jax.lax.scan(lambda Z, j: (one(Z, j, *item), None), Z, jnp.arange(most))
         return Z, Z
 
     return jax.lax.scan(interval, spectrum, (jnp.asarray(steps.which), jnp.asarray(steps.counts)))[1]

@@ -8,15 +8,16 @@ Either half takes both parts.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..model.grid import Array
 from .bumps import InSpace, in_space, in_time, slopes, weights
-from .film import Film, noise_of, surrogate
+from .film import Film
 from .geometry import Tilt, carried, turned
+from .noise import noise_of, surrogate
 from .weak import FILAMENTS, FLOW, RATES, Chart, Rows, White, rows, whitening
 
 NAMES = (*FILAMENTS, *FLOW)
@@ -30,6 +31,10 @@ SMALLER = 0.8
 """Size of other bumps, relative to the usual ones, by which the error of the quadrature is measured."""
 USUAL_MU = 0.05
 """The μ that is assumed where rows are weighted; it does not bias the result."""
+LONGER = (1.0, 1.4, 2.0)
+"""Lengths of bumps in time that are tried, relative to the usual one."""
+LONGEST_GAP, INNER = 0.5, 0.8
+"""Longest gap between frames within the inner part of a bump in time, both relative to half its length."""
 _STEP = 0.25
 """Distance of test functions in half widths."""
 
@@ -58,7 +63,7 @@ class Estimate:
 
 
 class TooSmall(Exception):
-    """The window has no room for a test function."""
+    """The window has no room for a test function: "time" or "space"."""
 
 
 def wrapped(film: Film) -> Film:
@@ -76,9 +81,8 @@ def wrapped(film: Film) -> Film:
 
     theta = np.concatenate([film.theta[left] - 2 * np.pi, film.theta, film.theta[right] + 2 * np.pi])
     P, u = (None if f is None else round_(f, 2) for f in (film.P, film.u))
-    return Film(
-        film.times, theta, film.z, P, u, round_(film.seen, 0), film.facing, film.scales, film.attributes
-    )
+    seen, known = round_(film.seen, 0), round_(film.known, 1)
+    return replace(film, theta=theta, P=P, u=u, seen=seen, known=known, angle=None)
 
 
 def _centres(points: Array, half: float) -> Array:
@@ -91,7 +95,7 @@ def _half(points: Array, size: tuple[float, float], share: float) -> float:
     spacing = float(np.median(np.diff(points))) if points.size > 1 else np.inf
     half = min(max(size[0] * spacing, size[1]) * share, 0.499 * float(points[-1] - points[0]))
     if not half >= _FEWEST * spacing:
-        raise TooSmall
+        raise TooSmall("space")
     return half
 
 
@@ -101,8 +105,7 @@ def framed(film: Film, share: float = 1.0, tilt: Tilt | None = None) -> Frame:
     common = times[1:-1] if film.frames > 3 else times
     sub = times[::2]
     half_t = min(_half(sub, _TIME, share), 0.5 * (common[-1] - common[0]))
-    at = _centres(common, half_t)
-    halves = tuple((slice(k, None, 2), in_time(times[k::2], at, half_t)) for k in range(2))
+    halves = _halves(times, half_t, common)
     half = (_half(film.theta, _THETA, share), _half(film.z, _Z, share))
     rule = np.outer(weights(film.theta), weights(film.z)) * film.seen
     slope_theta, slope_z = slopes(film.theta), slopes(film.z)
@@ -117,8 +120,35 @@ def framed(film: Film, share: float = 1.0, tilt: Tilt | None = None) -> Frame:
     place = np.stack(np.meshgrid(_centres(film.theta, half[0]), _centres(film.z, half[1]), indexing="ij"))
     space, whole = in_space(theta.ravel(), z.ravel(), rule.ravel(), place.reshape(2, -1).T, half)
     if not whole.any():
-        raise TooSmall
+        raise TooSmall("space")
     return Frame(halves, space, Chart(slope_theta, slope_z, inverse), vectors)
+
+
+def _halves(times: Array, half: float, common: Array) -> tuple[tuple[slice, tuple[Array, Array]], ...]:
+    """Return the integrals in time of either half of the frames, over those bumps that both resolve.
+
+    Frames may have any spacing; a bump in which too many are missing is left out, and all are longer if
+    there are few of the usual length.
+    """
+    best: tuple[tuple[slice, tuple[Array, Array]], ...] = ()
+    most = 0
+    for longer in LONGER:
+        size = min(half * longer, 0.5 * float(common[-1] - common[0]))
+        at = _centres(common, size)
+        found = [in_time(times[k::2], at, size) for k in range(2)]
+        good = np.ones(at.size, bool)
+        for k in range(2):
+            early, late = times[k::2][:-1] - at[:, None], times[k::2][1:] - at[:, None]
+            wide = (late - early > LONGEST_GAP * size) & (late > -INNER * size) & (early < INNER * size)
+            good &= ~wide.any(axis=1)
+        if good.sum() > most:
+            most = int(good.sum())
+            best = tuple((slice(k, None, 2), (v[good], s[good])) for k, (v, s) in enumerate(found))
+        if 2 * good.sum() >= at.size:
+            break
+    if not most:
+        raise TooSmall("time")
+    return best
 
 
 def halves(
@@ -193,11 +223,12 @@ def repeated(
     film: Film, fixed: Mapping[str, float], angle: float, tilts: list[Tilt], draws: int, seed: int
 ) -> Repeats:
     """Return the `Repeats` of a film. Raises `TooSmall`."""
-    film = wrapped(film)
+    film = wrapped(film.cropped()).spread()
     P, u = film.P, film.u
     assert P is not None
     assert u is not None
-    noise = (noise_of(P, film.seen), noise_of(u, film.seen))
+    known = film.known & film.seen
+    noise = (noise_of(P, film.times, known), noise_of(u, film.times, known))
     frame = framed(film)
     white = _white(film, frame, noise)
     first = solved(halves(film, frame, noise, angle, white), fixed)
@@ -205,7 +236,9 @@ def repeated(
     twice = (2 * noise[0], 2 * noise[1])
     noisy = []
     for _ in range(draws):
-        again = film.with_fields(P + surrogate(P, noise[0], rng), u + surrogate(u, noise[1], rng))
+        again = film.with_fields(
+            P + surrogate(P, film.times, noise[0], rng), u + surrogate(u, film.times, noise[1], rng)
+        )
         noisy.append(solved(halves(again, frame, twice, angle, white), fixed))
     other, moved = [], []
     try:

@@ -1,9 +1,8 @@
-"""A measurement made plain: its fields on one window of the surface, what was seen, and its noise."""
+"""A measurement made plain: its fields on one part of the surface, and what was seen of them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import comb
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,10 +15,9 @@ from ..model.scales import Scales
 if TYPE_CHECKING:
     import xarray
 
-ORDERS = (3, 4, 5)
-"""Orders of the time differences from which noise is estimated; the one with least signal is taken."""
-HOLES = 0.1
+HOLES = 0.3
 """Share of the frames in which a point may be unseen and is still filled from its neighbours in time."""
+FIELDS = ("P", "u", "angle")
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +25,10 @@ class Film:
     """The order P and the flow u, each (n, 2, n_theta, n_z) or None, at `times` (n,), in R, R/U and U.
 
     `theta` and `z` are the window's coordinates, increasing. `seen` (n_theta, n_z) says where there are
-    values; they are filled with 0 elsewhere. `facing` is the angle that faces the camera, and
-    `scales` are those by which the file's units were divided.
+    values in most frames, with holes filled by those before and after; other holes are filled with 0.
+    `known` (n, n_theta, n_z) says which were measured. `facing` is the angle that faces the camera, and
+    `scales` are those by which the file's units were divided. `angle` (n, n_theta, n_z) is that of the
+    filaments from +z towards +θ, without polarity, or None.
     """
 
     times: Array
@@ -40,11 +40,37 @@ class Film:
     facing: float
     scales: Scales | None
     attributes: dict[str, Any]
+    known: npt.NDArray[np.bool_]
+    angle: Array | None = None
 
     @property
     def frames(self) -> int:
         """The number of frames."""
         return self.times.size
+
+    def cropped(self) -> Film:
+        """Return the part of the film in the rows and columns in which something was seen."""
+        rows, columns = np.flatnonzero(self.seen.any(axis=1)), np.flatnonzero(self.seen.any(axis=0))
+        if not rows.size:
+            return self
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        P, u, angle = (None if f is None else f[..., *part] for f in (self.P, self.u, self.angle))
+        seen, known = self.seen[part], self.known[:, *part]
+        return replace(
+            self, theta=self.theta[part[0]], z=self.z[part[1]], P=P, u=u, angle=angle, seen=seen, known=known
+        )
+
+    def spread(self) -> Film:
+        """Return the film with the nearest value that was seen at points where there is none.
+
+        Slopes beside a hole would be wrong by the size of the field over the spacing if holes were 0.
+        """
+        from scipy.ndimage import distance_transform_edt
+
+        if self.seen.all() or not self.seen.any():
+            return self
+        i, j = distance_transform_edt(~self.seen, return_distances=False, return_indices=True)
+        return self.with_fields(*(None if f is None else f[:, :, i, j] for f in (self.P, self.u)))
 
     def with_fields(self, P: Array | None, u: Array | None) -> Film:
         """Return the same film with other fields."""
@@ -58,7 +84,7 @@ def film_of(data: Any, scales: Scales | None) -> Film:
     if not isinstance(data, xarray.Dataset):
         rule = "an xarray.Dataset with P and u, or u alone, over time, component, theta and z"
         raise InputError("data", data, rule, "open it by cyclosis.open_dataset or xarray.open_dataset")
-    fields = {name: _field(data, name) for name in ("P", "u") if name in data}
+    fields = {name: _field(data, name) for name in FIELDS if name in data}
     if not fields:
         rule = "a dataset with P and u, or u alone"
         raise InputError("data", ", ".join(map(str, data.data_vars)), rule, "name its variables P and u")
@@ -67,11 +93,12 @@ def film_of(data: Any, scales: Scales | None) -> Film:
         scales = Scales(float(data.attrs["radius_um"]), float(data.attrs["speed_um_per_s"]))
     times = _coordinate(one, "time", scales) if "time" in one.dims else np.zeros(1)
     theta, z = _coordinate(one, "theta", scales), _coordinate(one, "z", scales)
-    dims = ("time", "component", "theta", "z")
-    arrays = {name: np.asarray(_plain(f, dims).values, np.float64) for name, f in fields.items()}
+    arrays = {name: np.asarray(_plain(f).values, np.float64) for name, f in fields.items()}
     unit = _unit(fields["u"]) if "u" in fields else None
     if unit is not None:
         arrays["u"] = _divided("u", arrays["u"], unit, scales)
+    if "angle" in arrays and (unit := _unit(fields["angle"])) is not None:
+        arrays["angle"] = _divided("theta", arrays["angle"], unit, scales)
     theta = np.unwrap(theta) if theta.size > 1 else theta
     facing = _facing(data, theta)
     order_t, order_z = np.argsort(theta, kind="stable"), np.argsort(z, kind="stable")
@@ -82,10 +109,11 @@ def film_of(data: Any, scales: Scales | None) -> Film:
             raise InputError(name, points, "without repeated points", "leave out the repeats")
     known = np.ones((times.size, theta.size, z.size), bool)
     for name, array in arrays.items():
-        arrays[name] = array = array[:, :, order_t][..., order_z]
-        known &= np.isfinite(array).all(axis=1)
+        arrays[name] = array = np.take(np.take(array, order_t, -2), order_z, -1)
+        if name != "angle":
+            known &= np.isfinite(array).all(axis=1)
     seen = known.mean(axis=0) >= 1 - HOLES
-    filled = {name: _filled(array, known, seen) for name, array in arrays.items()}
+    filled = {name: _filled(arrays[name], times, known, seen) for name in ("P", "u") if name in arrays}
     return Film(
         times,
         theta[order_t],
@@ -96,49 +124,18 @@ def film_of(data: Any, scales: Scales | None) -> Film:
         facing,
         scales,
         {str(key): value for key, value in data.attrs.items()},
+        known,
+        arrays.get("angle"),
     )
-
-
-def noise_of(field: Array, seen: npt.NDArray[np.bool_]) -> Array:
-    """Return the variance of the noise of a field (n, 2, n_theta, n_z), as (2, n_theta, n_z).
-
-    The k-th difference in time of white noise of variance s² has the variance C(2k, k) s²; a smooth signal
-    adds the less to it the larger k is. It is averaged along z, because what is seen obliquely is noisier.
-    """
-    best: Array | None = None
-    for order in ORDERS:
-        if field.shape[0] <= order + 1:
-            break
-        square = np.mean(np.diff(field, order, axis=0) ** 2, axis=0) / comb(2 * order, order)
-        if best is None or square[:, seen].sum() < best[:, seen].sum():
-            best = square
-    if best is None:
-        return np.zeros(field.shape[1:])
-    count = np.maximum(seen.sum(axis=1), 1)
-    rows = np.where(seen, best, 0.0).sum(axis=2) / count
-    return np.repeat(rows[:, :, None], field.shape[3], axis=2)
-
-
-def surrogate(field: Array, variance: Array, rng: np.random.Generator) -> Array:
-    """Return noise like that of a field, with the same pattern in space and none in time.
-
-    Its frames are those of the third difference in random order and with random signs, so that vectors that
-    share pixels stay correlated.
-    """
-    pool = np.diff(field, 3, axis=0)
-    drawn = pool[rng.integers(0, pool.shape[0], field.shape[0])]
-    drawn = drawn * rng.choice([-1.0, 1.0], (field.shape[0], 1, 1, 1))
-    scale = np.sqrt(np.mean(pool**2, axis=(0, 3), keepdims=True))
-    size = np.sqrt(variance.mean(axis=2, keepdims=True))[None]
-    return drawn * np.where(scale > 0, size / np.where(scale > 0, scale, 1.0), 0.0)
 
 
 def _field(data: xarray.Dataset, name: str) -> xarray.DataArray:
     array = data[name]
-    missing = [dim for dim in ("component", "theta", "z") if dim not in array.dims]
-    extra = [str(dim) for dim in array.dims if dim not in ("time", "component", "theta", "z")]
-    if missing or extra or array.sizes.get("component") != 2:
-        rule = "over time, component (theta, z), theta and z"
+    dims = ("theta", "z") if name == "angle" else ("component", "theta", "z")
+    missing = [dim for dim in dims if dim not in array.dims]
+    extra = [str(dim) for dim in array.dims if dim not in ("time", *dims)]
+    if missing or extra or array.sizes.get("component", 2) != 2:
+        rule = "over time, theta and z" if name == "angle" else "over time, component (theta, z), theta and z"
         raise InputError(f"{name} of the data", tuple(array.dims), rule, "put it on the unrolled surface")
     if array.dtype.kind not in "iuf":
         raise InputError(f"{name} of the data", str(array.dtype), "of real numbers", "convert it")
@@ -147,13 +144,14 @@ def _field(data: xarray.Dataset, name: str) -> xarray.DataArray:
     return array
 
 
-def _plain(array: xarray.DataArray, dims: tuple[str, ...]) -> xarray.DataArray:
+def _plain(array: xarray.DataArray) -> xarray.DataArray:
     if "time" not in array.dims:
         array = array.expand_dims("time")
     labels = array.coords.get("component")
     if labels is not None and [str(label) for label in labels.values] == ["z", "theta"]:
         array = array.isel(component=[1, 0])
-    return array.transpose(*dims)
+    dims = ("time", "component", "theta", "z")
+    return array.transpose(*(dim for dim in dims if dim in array.dims))
 
 
 def _unit(array: xarray.DataArray) -> str | None:
@@ -214,12 +212,28 @@ def _facing(data: xarray.Dataset, theta: Array) -> float:
     return float(0.5 * (theta[0] + theta[-1]))
 
 
-def _filled(array: Array, known: npt.NDArray[np.bool_], seen: npt.NDArray[np.bool_]) -> Array:
-    """Return an array with holes filled by interpolation in time, and 0 where nothing was seen."""
-    out = np.where(seen, array, 0.0)
-    frames = np.arange(array.shape[0])
+def _filled(array: Array, times: Array, known: npt.NDArray[np.bool_], seen: npt.NDArray[np.bool_]) -> Array:
+    """Return an array with holes of what was seen filled by cubic interpolation in time, and others by 0.
+
+    Odd and even frames are filled from their own kind, so that their noise stays independent.
+    """
+    out = np.where(known[:, None], array, 0.0)
+    for k in range(2 if times.size > 1 else 1):
+        _fill(out[k::2], times[k::2], known[k::2], seen)
+    return out
+
+
+def _fill(out: Array, times: Array, known: npt.NDArray[np.bool_], seen: npt.NDArray[np.bool_]) -> None:
+    from scipy.interpolate import CubicSpline
+
     for i, j in zip(*np.nonzero(seen & ~known.all(axis=0)), strict=True):
         good = known[:, i, j]
-        for c in range(2):
-            out[~good, c, i, j] = np.interp(frames[~good], frames[good], array[good, c, i, j])
-    return out
+        if not good.any():
+            continue
+        at, values = times[good], out[good][:, :, i, j]
+        # Beyond the first and the last value that was measured, the nearest one is taken.
+        when = np.clip(times[~good], at[0], at[-1])
+        if at.size > 3:
+            out[~good, :, i, j] = CubicSpline(at, values)(when)
+        else:
+            out[~good, :, i, j] = values[np.abs(when[:, None] - at).argmin(axis=1)]

@@ -11,10 +11,12 @@ from ..model.doors import door
 from ..model.errors import InputError, choice, closest, number, whole
 from ..model.reporting import Progress, counted, reported
 from ..model.scales import Scales
-from .film import Film, film_of, noise_of
+from .film import Film, film_of
 from .geometry import tilts, visible
 from .judged import by_equation, refusal
+from .noise import noise_of
 from .result import ORDER, Fit
+from .windows import unknown, window_of
 
 METHODS = ("auto", "equation", "film", "profile")
 LARGEST = {
@@ -30,6 +32,11 @@ LARGEST = {
 CHANGE = 0.02
 """A film of u that varies by less than this share of its peak, beyond its noise, is a profile."""
 
+UNKNOWN = (
+    "vectors are means over windows, whose size the data do not tell; they make mu and alpha_u too large, so "
+    "give window_px when reading, or window in radii"
+)
+
 
 @door
 def fit(
@@ -43,29 +50,36 @@ def fit(
     geometry: Mapping[str, float] | None = None,
     draws: int = 8,
     length: float | None = None,
+    window: float | None = None,
     progress: Progress = None,
 ) -> Fit:
     """Return the parameters of a measured cell, with intervals, or a sentence that says what it cannot tell.
 
     data: an xarray.Dataset of the order P and the flow u of the cytoplasm, or of u alone, over time,
-    component
-    (theta, z), theta and z, as of a run: on any part of the surface, at any spacing, NaN where nothing was
-    seen. It is dimensionless (R, U, R/U), or in the units that its variables name (s, um, um/s, deg),
-    with `scales`. Without time, or in one frame, it is a steady profile.
+    component (theta, z), theta and z, as of a run: on any part of the surface, at any spacing, NaN where
+    nothing was seen. It is dimensionless (R, U, R/U), or in the units that its variables name (s, um, um/s,
+    deg), with `scales`. Without time, or in one frame, it is a steady profile. Frames may have any spacing.
+    In place of P there may be the angle of the filaments over time, theta and z, from +z towards +theta,
+    without polarity, as `on_surface` gives it.
 
     parameters: the names to report, all by default: alpha_p, alpha_u, epsilon, d_s, d_r, kappa, mu and U, the
     unit of speed in units of that of the data. All others stay unknown as well, unless `fix` gives their
     values. repulsion_angle is 0 unless it is fixed.
 
     method: "equation" tests the equations themselves on P and u; it takes seconds and needs no initial guess.
-    "film" matches a film of u by runs from an unknown initial state; it takes minutes, and U is 1 unless
-    `parameters` names it. "profile" fits the steady profile. "auto" takes the first that the data allow.
+    "film" matches a film of u by runs from an unknown initial state, and P or angles too where they are
+    given; it takes minutes, and U is 1 unless `parameters` names it. "profile" fits the steady profile.
+    "auto" takes the first that the data allow.
 
     geometry: standard deviations of the camera's geometry, of axis_deg, radius (relative) and centre (in
     radii); intervals then include it. `draws` times the estimated noise is added again, from `seed`, for the
     intervals. `length` is the period of the cell along the axis in a fit of a film, by default that of the
     data's attribute length or 1.2 times the window. A fit by "film" shows a bar in a
     terminal or a notebook unless `progress` is False; a function is called as `progress(done, total)`.
+
+    window: the side, in radii, of the squares of the image over which vectors of u are averaged, 0 for values
+    at points; by default what the measurement knows (its attributes window_px and radius_px). The model is
+    averaged in the same way by "film", and the average is undone to fourth order by "equation".
 
     What the data cannot tell is NaN with the interval (0, inf), and `Fit.refused` says why. Raises
     `InputError` for what is no measurement. Method: `docs/fitting.md`.
@@ -92,23 +106,28 @@ def fit(
     names = tuple(name for name in ORDER if name in wanted and name not in fixed)
     if film.u is None:
         sentence = (
-            "P without a flow says neither which way filaments point nor how fast anything is; "
+            "Filaments without a flow say neither which way they point nor how fast anything is; "
             "measure the flow in the same film."
         )
         return refusal(method, names, fixed, film, sentence, seed)
+    square = window_of(film, window)
+    notes = (UNKNOWN,) if window is None and unknown(film) else ()
     chosen = _method(film) if method == "auto" else method
     if chosen == "equation":
         if film.P is None:
             rule, remedy = "given with method equation", "fit a film of u alone by method film"
+            if film.angle is not None:
+                rule = "given with method equation: |P|, which angles do not tell, is in every term"
+                remedy = "fit by method film, which compares runs with u and with the angles"
             raise InputError("P of the data", None, rule, remedy)
-        return by_equation(film, wanted, fixed, moved, draws, seed)
+        return by_equation(film, wanted, fixed, moved, draws, seed, square, notes)
     if chosen == "film":
         from .matching import by_film
 
         if parameters is None or "U" not in wanted:
             fixed = {"U": 1.0} | fixed
         with reported(progress, "fit", counted) as report:
-            return by_film(film, wanted, fixed, seed, length, report)
+            return by_film(film, wanted, fixed, seed, length, square, notes, report)
     from .steady import by_profile
 
     return by_profile(film, wanted, fixed, seed)
@@ -129,7 +148,7 @@ def _changes(film: Film) -> bool:
     """
     assert film.u is not None
     variance = film.u.var(axis=0, ddof=1)[:, film.seen].mean()
-    noise = noise_of(film.u, film.seen)[:, film.seen].mean()
+    noise = noise_of(film.u, film.times, film.known & film.seen)[:, film.seen].mean()
     peak = float(np.quantile(np.hypot(film.u[:, 0], film.u[:, 1])[:, film.seen], 0.999))
     return bool(np.sqrt(max(variance - noise, 0.0)) > CHANGE * peak)
 

@@ -78,7 +78,9 @@ def visible(film: Film) -> Film:
         rule = "an angle that the data show"
         raise InputError("facing of the data", film.facing, rule, "set their attribute facing")
     P, u = (None if f is None else f[:, :, kept] for f in (film.P, film.u))
-    return replace(film, theta=film.theta[kept], P=P, u=u, seen=film.seen[kept])
+    angle = None if film.angle is None else film.angle[:, kept]
+    seen, known = film.seen[kept], film.known[:, kept]
+    return replace(film, theta=film.theta[kept], P=P, u=u, seen=seen, known=known, angle=angle)
 
 
 def turned(P: Array, frame: Array) -> Array:

@@ -7,10 +7,12 @@ import numpy.typing as npt
 
 from ..model.grid import Array
 from .equation import LEAST_FRAMES, NAMES, Repeats, TooSmall, repeated
-from .film import Film, noise_of
+from .film import Film
 from .geometry import Tilt
+from .noise import noise_of
 from .result import ORDER, Fit, directions, masked
 from .weak import FILAMENTS, FLOW
+from .windows import Window, sharpened
 
 STEADY = 50.0
 """Condition beyond which the filament equation is not tested by a film."""
@@ -22,6 +24,14 @@ EXACT = 1e-6
 """Share of the residual below which added noise shows that the data are exact: nothing is compared."""
 WRONG = (2.0, 0.05)
 """A model does not fit if it leaves this many times the noise, and this share of the signal."""
+COARSE = (
+    "The window has too few points for a test function, which needs seven in theta and in z; measure on a "
+    "finer grid or with smaller windows, or film a larger part of the surface."
+)
+GAPS = (
+    "No stretch of this film has enough frames for a test function, which needs about seven of every second "
+    "frame without a longer gap; film at even times, or fit by method film, which takes any."
+)
 ABOUT_STEADY = (
     "This film hardly changes (condition {0:.3g}, the limit is 50), so that alpha_p, alpha_u, "
     "epsilon, d_s, d_r "
@@ -37,6 +47,8 @@ def by_equation(
     tilts: list[Tilt],
     draws: int,
     seed: int,
+    window: Window | None = None,
+    notes: tuple[str, ...] = (),
 ) -> Fit:
     """Return the `Fit` of a film with P and u by the weak form of the equations."""
     free = tuple(name for name in ORDER if name not in fixed)
@@ -48,28 +60,23 @@ def by_equation(
             f"two times nine; "
             "film longer or more often, or fit by method film."
         )
-        return refusal("equation", names, fixed, film, sentence, seed)
+        return refusal("equation", names, fixed, film, sentence, seed, None, notes)
     assert film.P is not None
     assert film.u is not None
     peak = {"P": 1.0, "u": float(np.quantile(np.hypot(film.u[:, 0], film.u[:, 1])[:, film.seen], 0.999))}
-    noise = {k: _rms(noise_of(f, film.seen), film.seen) for k, f in (("P", film.P), ("u", film.u))}
+    known = film.known & film.seen
+    noise = {k: _rms(noise_of(f, film.times, known), film.seen) for k, f in (("P", film.P), ("u", film.u))}
     for name, size in noise.items():
-        if size > NOISY * peak[name]:
-            sentence = (
-                f"The noise of {name} is {100 * size / peak[name]:.0f} % of its peak, and the fit "
-                f"holds up to 20 %; "
-                "average neighbouring vectors, or film at a higher magnification."
-            )
-            return refusal("equation", names, fixed, film, sentence, seed, noise)
+        said = loud(name, size, peak[name])
+        if said is not None:
+            return refusal("equation", names, fixed, film, said, seed, noise, notes)
+    film = film if window is None else sharpened(film, window)
     try:
         found = repeated(film, given, fixed.get("repulsion_angle", 0.0), tilts, draws, seed)
-    except TooSmall:
-        sentence = (
-            "The window has too few points for a test function, which needs seven in time, theta and z; "
-            "measure on a finer grid, or film a larger part of the surface."
-        )
-        return refusal("equation", names, fixed, film, sentence, seed, noise)
-    return _judged(found, film, names, free, fixed, noise, seed)
+    except TooSmall as why:
+        sentence = GAPS if "time" in why.args else COARSE
+        return refusal("equation", names, fixed, film, sentence, seed, noise, notes)
+    return _judged(found, film, names, free, fixed, noise, seed, notes)
 
 
 def _judged(
@@ -80,6 +87,7 @@ def _judged(
     fixed: dict[str, float],
     noise: dict[str, float],
     seed: int,
+    notes: tuple[str, ...],
 ) -> Fit:
     values = np.array([found.first.values[name] for name in free])
     deviation = _deviation(found, free)
@@ -133,6 +141,7 @@ def _judged(
         {name: value for name, value in strength.items() if name in names},
         film.scales,
         seed,
+        notes=notes,
     )
 
 
@@ -220,6 +229,16 @@ def _interval(value: float, deviation: float, unknown: bool) -> tuple[float, flo
     return max(value - T95 * deviation, 0.0), value + T95 * deviation
 
 
+def loud(name: str, size: float, peak: float) -> str | None:
+    """Return a sentence if noise of a standard deviation is too large beside the peak of its field."""
+    if size <= NOISY * peak:
+        return None
+    return (
+        f"The noise of {name} is {100 * size / peak:.0f} % of its peak, and the fit holds up to 20 %; "
+        "average neighbouring vectors, or film at a higher magnification."
+    )
+
+
 def _rms(variance: Array, seen: npt.NDArray[np.bool_]) -> float:
     return float(np.sqrt(variance[:, seen].mean()))
 
@@ -232,6 +251,7 @@ def refusal(
     sentence: str,
     seed: int,
     noise: dict[str, float] | None = None,
+    notes: tuple[str, ...] = (),
 ) -> Fit:
     """Return a `Fit` that says nothing but why."""
     return Fit(
@@ -248,6 +268,7 @@ def refusal(
         {},
         film.scales,
         seed,
+        notes=notes,
     )
 
 

@@ -59,6 +59,7 @@ class Fit:
     * `residual`: what the model leaves, root mean square, in units of the noise; 1 for a model that fits.
     * `noise`: standard deviations of the noise that was found, by field.
     * `strength`: of the instruments by parameter, an F statistic; 10 is the least that is trusted.
+    * `notes`: sentences about what the data lack, and what was assumed.
 
     Example:
         >>> import numpy as np
@@ -87,6 +88,7 @@ class Fit:
     scales: Scales | None = None
     seed: int = 0
     _predict: Callable[[], Any] | None = None
+    notes: tuple[str, ...] = ()
 
     def predict(self) -> xarray.Dataset:
         """Return what the fitted model gives where the measurement was made, in units of the model.
@@ -143,6 +145,7 @@ class Fit:
             attrs={
                 "method": self.method,
                 "refused": self.refused or "",
+                "notes": "; ".join(self.notes),
                 "condition": self.condition,
                 "residual": self.residual,
                 "seed": self.seed,
@@ -163,6 +166,7 @@ class Fit:
         if self.identifiable:
             lines.append("stiff to sloppy:")
             lines += [f"  {direction}" for direction in self.identifiable]
+        lines += [f"Note: {note}." for note in self.notes]
         return "\n".join([*lines, *([f"Refused: {self.refused}"] if self.refused else [])])
 
     def _physical(self, name: str, value: float) -> str:

@@ -27,11 +27,16 @@ from ..model.grid import Array
 
 BLUR, FALL = 0.25, 4.0
 """The first blur, as a share of the peak of u, and the factor by which it falls from stage to stage."""
-TRIES, MOST = 8, 25
+TRIES, MOST = 8, 15
 """Damped trials per step, and steps in a stage."""
 CLOSE, CLOSED = 0.5, 1e-3
 """Expected gains at which a blurred stage and the last one end: twice this is the squared distance to the
 minimum in standard deviations."""
+STALE, WORTH, AIM = 8, 0.3, 0.1
+"""Most steps with the same slopes, the share of the expected gain below which these are computed again, and
+how much closer than necessary such steps come, so that new slopes find the end."""
+DAMPING = 1e-2, 1e-4
+"""Damping of the first step of all, and of the first step of each later stage."""
 LEAP = 0.7
 """Largest change of the logarithm of a parameter in one step."""
 WIDTHS, SIZES = (1.0, 4.0), (0.003, 0.5)
@@ -67,29 +72,42 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The end of a search: `x`, the covariance of the logarithms, χ², and what the unknowns took of N.
+    """The end of a search: `x`, the covariance of the logarithms, the misfit, and what x took of N values.
 
     `short` is the gain that one more step was expected to bring: the search has ended where it is small.
     """
 
     x: Array
     covariance: Array
-    chi2: float
+    left: Array
     effective: float
     short: float
     size: float
     width: float
 
 
-def search(problem: Problem, x: Array, size: float, width: float, told: Callable[[], None]) -> Found:
-    """Return the most probable unknowns, from x and the prior of a size and a width."""
+def search(
+    problem: Problem,
+    x: Array,
+    size: float,
+    width: float,
+    told: Callable[[], None],
+    *,
+    blurred: bool = True,
+) -> Found:
+    """Return the most probable unknowns, from x and the prior of a size and a width.
+
+    Without `blurred` x is taken to be near them.
+    """
     mean = np.concatenate([problem.begin, np.zeros(x.size - problem.logs)])
     scale = problem.scale(size, width)
-    for stage, blur in enumerate(_blurs(problem.peak)):
+    for stage, blur in enumerate(_blurs(problem.peak)[0 if blurred else -1 :]):
         weight = 1 / np.sqrt(1 + blur**2)
         last = not np.any(blur)
         for again in range(2 if last else 1):
-            x, parts = _descended(problem, x, mean, scale, weight, CLOSED if last else CLOSE, told)
+            x, parts = _descended(
+                problem, x, mean, scale, weight, CLOSED if last else CLOSE, DAMPING[bool(stage)], told
+            )
             if stage and not again:
                 size, width = _evident(problem, parts, size, width)
                 scale = problem.scale(size, width)
@@ -102,7 +120,7 @@ def search(problem: Problem, x: Array, size: float, width: float, told: Callable
     return Found(
         x,
         inverse[:n, :n],
-        float(left @ left),
+        left,
         float(x.size - np.trace(inverse)),
         0.5 * float(slope @ inverse @ slope),
         size,
@@ -126,6 +144,7 @@ def _descended(
     scale: Array,
     weight: Array,
     close: float,
+    damping: float,
     told: Callable[[], None],
 ) -> tuple[Array, tuple[Array, Array, Array]]:
     """Return the minimum of one stage, and the slopes, the misfit and x - x_0 there."""
@@ -138,27 +157,34 @@ def _descended(
         return left, value if np.isfinite(value) else np.inf
 
     left, value = cost(x)
-    damping = 1e-2
     for _ in range(MOST):
         slopes = problem.jacobian(x) * weight
         told()
         white = scale[:, None] * slopes
         square = white @ white.T
-        slope = white @ left + (x - mean) / scale
         hessian = square + np.eye(x.size)
-        expected = 0.5 * float(slope @ np.linalg.solve(hessian, slope))
-        if expected < close:
-            break
-        for _ in range(TRIES):
-            step = -np.linalg.solve(hessian + damping * np.diag(np.diag(square)), slope)
-            step *= min(1.0, LEAP / max(float(np.abs(step[: problem.logs]).max(initial=0.0)), 1e-12))
-            there, after = cost(x + scale * step)
-            if after < value:
+        begun = x
+        # Slopes change little along the last steps and cost as much as many runs: they serve several steps.
+        for again in range(STALE):
+            slope = white @ left + (x - mean) / scale
+            expected = 0.5 * float(slope @ np.linalg.solve(hessian, slope))
+            if expected < (AIM if again else 1.0) * close:
                 break
-            damping *= 8
-        else:
+            for _ in range(1 if again else TRIES):
+                step = -np.linalg.solve(hessian + damping * np.diag(np.diag(square)), slope)
+                step *= min(1.0, LEAP / max(float(np.abs(step[: problem.logs]).max(initial=0.0)), 1e-12))
+                there, after = cost(x + scale * step)
+                if after < value:
+                    break
+                damping *= 8
+            else:
+                break
+            gained = value - after
+            x, left, value, damping = x + scale * step, there, after, max(damping / 5, 1e-9)
+            if gained < WORTH * expected:
+                break
+        if x is begun:
             break
-        x, left, value, damping = x + scale * step, there, after, max(damping / 5, 1e-9)
     return x, (slopes, left, x - mean)
 
 

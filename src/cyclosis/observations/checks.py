@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..model.errors import InputError
-from .observation import Array, Bools, Frame
+from .observation import Array, Bools, Frame, Observation
 from .view import View
 
 MOST_OUTSIDE = 0.2
@@ -20,6 +20,31 @@ FLIPPED = 0.3
 """Correlation of the two parts of div u above which one component has the wrong sign."""
 TILT_DEG = 1.0
 """Degrees between the mean direction of flow and the axis above which the axis may be wrong."""
+
+FAR = 1 / 3
+"""Share of a window's side that particles may move between two images."""
+
+
+def too_far(obs: Observation) -> str | None:
+    """Return a sentence if particles move by more than a third of a window between the images of a pair.
+
+    So many of them leave their window meanwhile that the fast parts of the flow are lost. None if that is not
+    so, or if the window or the time between the images is not known.
+    """
+    if obs.window_px is None or not any(frame.vx is not None and frame.good.any() for frame in obs.frames):
+        return None
+    interval = 1.0 if obs.time_unit == "frame" else obs.frame_s
+    if interval is None:
+        return None
+    sizes = [np.hypot(f.vx, f.vy)[f.good] for f in obs.frames if f.vx is not None and f.vy is not None]
+    peak = interval * float(np.quantile(np.concatenate(sizes), 0.99))
+    if peak <= FAR * obs.window_px:
+        return None
+    return (
+        f"particles move by up to {peak:.3g} pixels from image to image, more than a third of a window of "
+        f"{obs.window_px:.3g}: fast flow is lost unless earlier passes had larger windows; "
+        "take images closer in time"
+    )
 
 
 def inside(frame: Frame, view: View, outside: str, source: str) -> Frame:

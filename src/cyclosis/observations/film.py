@@ -71,9 +71,9 @@ def film(
     a line, the result is a kymograph along it, whose speeds `on_surface` measures; nothing is taken out of
     that. `frame_s` of the result is the time from the first frame of a pair to the second, and `noise_px` the
     noise of one component of that displacement, from three successive means, or in short films their standard
-    error. Needs scikit-image (`pip install 'cyclosis[film]'`), and tifffile for TIFF (`cyclosis[data]`).
-    Raises `InputError` in one sentence for films that cannot be read, that have fewer than two frames, or in
-    which nothing moves.
+    error; its `window_px` is the side of a square that averages as the window does. Needs scikit-image
+    (`pip install 'cyclosis[film]'`), and tifffile for TIFF (`cyclosis[data]`). Raises `InputError` in one
+    sentence for films that cannot be read, that have fewer than two frames, or in which nothing moves.
 
     Example:
         >>> import cyclosis as cy
@@ -135,6 +135,7 @@ def film(
         pixel_um=size,
         frame_s=took if unit == "s" else None,
         noise_px=scatter if unit == "s" else scatter / took,
+        window_px=moving.even_side(plan.radius) * shot.binned,
         format="film",
         source=str(path),
         notes=(*shot.notes, *notes, _said(plan, shot.binned)),

@@ -100,8 +100,9 @@ class Observation:
     `kind` is "velocity", "tracks", "angle", "kymograph", "slice" or "surface". `frames` are the times, in
     `time_unit` ("s" or "frame"); velocities are in pixels per `time_unit`. `pixel_um` and `frame_s` are the
     size of a pixel and the time between the two images of a pair, or None. `noise_px` is the noise of one
-    component of a displacement between two images, in pixels, or None. `format`, `source` and `notes` tell
-    where it comes from and which conventions were applied.
+    component of a displacement between two images, in pixels, or None, and `window_px` the side of the square
+    over which every vector is an average. `format`, `source` and `notes` tell where it comes from and which
+    conventions were applied.
 
     Example:
         >>> import cyclosis as cy
@@ -125,6 +126,7 @@ class Observation:
     camera: View | None = None
     image: npt.NDArray[Any] | None = None
     extra: dict[str, Any] = field(default_factory=dict)
+    window_px: float | None = None
 
     @property
     def times(self) -> Array:
@@ -238,7 +240,12 @@ class Observation:
                 ("samples", f"{len(self.frames)} frame(s){where}, {good} of {count} samples are good")
             )
             rows.append(("units", f"pixels and {self.time_unit}, y down"))
-        known = (("pixel", self.pixel_um, "um"), ("frame", self.frame_s, "s"), ("noise", self.noise_px, "px"))
+        known = (
+            ("pixel", self.pixel_um, "um"),
+            ("frame", self.frame_s, "s"),
+            ("noise", self.noise_px, "px"),
+            ("window", self.window_px, "px"),
+        )
         rows += [(name, f"{value:g} {unit}") for name, value, unit in known if value is not None]
         if self.camera is not None:
             c = self.camera

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ..model.arrays import numbers
 from ..model.doors import door
 from ..model.errors import InputError, choice, closest, number
+from . import checks
 from .formats import FORMATS, content_of
 from .formats.content import ANGLE, KYMOGRAPH, SLICE, SURFACE, TRACKS, VELOCITY, Asked, Columns, Content
 from .lattice import lattice
@@ -64,7 +65,9 @@ def read(
     "y": 1, "u": 2, "v": 3}; also "bad" or "good", "frame", "track" and "angle". `order` tells what the parts
     of an optical flow are, "row,col" or "x,y". `origin_px` is the place in the image of (0, 0) of the file or
     of the first sample of an array, and `step_px` the pixels from one sample of an array to the next.
-    `noise_px` is the noise of a component of a displacement. `angle` is the unit of angles, "degrees" or
+    `noise_px` is the noise of a component of a displacement. `window_px` is the side of the windows of which
+    vectors are averages; a fit takes the average into account, and positions of OpenPIV, which its search
+    windows shift, are put right. `angle` is the unit of angles, "degrees" or
     "radians". `line_px` has the two ends ((x, y), (x, y)) of the line of a kymograph. Links of tracks over
     more than `max_gap` frames are left out. Raises `InputError`, in one sentence, for what is missing and for
     files that cannot be used.
@@ -112,7 +115,7 @@ def read(
         rule = "one with at least one vector that is good; all are flagged, masked or not finite"
         raise InputError("file", str(paths[0]), rule, "check the mask and the validation")
     notes = tuple(dict.fromkeys([*first.notes, *settled.notes]))
-    return Observation(
+    seen = Observation(
         tuple(frames),
         first.kind,
         settled.time_unit,
@@ -122,7 +125,10 @@ def read(
         first.format,
         ", ".join(each.name for each in paths),
         notes,
+        window_px=None if window_px is None else float(window_px),
     )
+    far = checks.too_far(seen)
+    return seen if far is None else replace(seen, notes=(*notes, far))
 
 
 class _Settled:
@@ -143,10 +149,11 @@ class _Settled:
         self.cal, self.notes, self.max_gap = cal, list[str](), max_gap
         self.window = None
         if window_px is not None:
-            if content.format != "openpiv":
+            if content.kind != VELOCITY:
                 rule = f"left out for the format {content.format}"
-                raise InputError("window_px", window_px, rule, "it is for OpenPIV's files")
-            self.window = number("window_px", window_px, 2.0, 1e5, "give the size of the search windows")
+                raise InputError("window_px", window_px, rule, "it is for vectors of windows")
+            number("window_px", window_px, 2.0, 1e5, "give the side of the windows in pixels")
+            self.window = float(window_px) if content.format == "openpiv" else None
         self.origin = content.origin_px if origin is None else origin
         self.direction = y or content.y
         if content.y is not None and y is not None and y != content.y:

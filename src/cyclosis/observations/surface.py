@@ -335,6 +335,7 @@ def _attributes(
         "time_unit": "R/U" if scales is not None else obs.time_unit,
     }
     known = {"pixel_um": obs.pixel_um, "frame_s": obs.frame_s, "radius_um": radius_um, "time_unit_s": unit_s}
+    known["window_px"] = obs.window_px
     if unit_s is not None and radius_um is not None:
         known["speed_unit_um_per_s"] = radius_um / unit_s
     if noise is not None:

@@ -72,6 +72,15 @@ def width_of(radius: int) -> float:
     return (2 * radius + 1) / 4
 
 
+def even_side(radius: int) -> float:
+    """Return the side in pixels of a square with the second moments of that window.
+
+    Each displacement is the mean of those in the window, by its weights and the gradients of the light: the
+    iteration uses the displacement of every pixel at its own place.
+    """
+    return width_of(radius) * 12**0.5
+
+
 def standard_error(one: Fields, other: Fields, width: float) -> Fields:
     """Return the standard error of one component of a displacement (rows, columns), in pixels.
 
