@@ -19,12 +19,17 @@ TRUTH = {
     "mu": 0.1,
 }
 
+SIZES = (0.03, 0.1)
+"""Amplitudes of the two components of the toy's state."""
+
 
 def toy(bend, noise=0.01, seed=0, waves=40):
     """Return a `Problem` of two logarithms and `waves` coefficients, its data bent, and the true unknowns."""
     rng = np.random.default_rng(seed)
     squares = np.linspace(0.0, 16.0, waves)
-    truth = np.concatenate([[0.4, -0.3], rng.normal(size=waves) * 0.1 * np.exp(-squares / (2 * 2.0**2))])
+    component = np.arange(waves) % 2
+    spread = np.array(SIZES)[component] * np.exp(-squares / (2 * 2.0**2))
+    truth = np.concatenate([[0.4, -0.3], rng.normal(size=waves) * spread])
     matrix = rng.normal(size=(400, waves + 2)) * np.concatenate([[1.0, 1.0], np.full(waves, 3.0)])
 
     def model(x):
@@ -41,6 +46,7 @@ def toy(bend, noise=0.01, seed=0, waves=40):
         np.zeros(2),
         squares,
         np.ones(waves),
+        component,
         np.full(400, np.abs(data).max() / noise),
     )
     return problem, truth, matrix / noise
@@ -50,8 +56,8 @@ def toy(bend, noise=0.01, seed=0, waves=40):
 def test_the_search_ends_at_the_most_probable_unknowns(bend):
     problem, truth, _ = toy(bend)
     steps = []
-    found = search(problem, np.zeros(truth.size), 0.3, 3.5, lambda: steps.append(1))
-    scale = problem.scale(found.size, found.width)
+    found = search(problem, np.zeros(truth.size), np.full(2, 0.3), 3.5, lambda: steps.append(1))
+    scale = problem.scale(found.sizes, found.width)
     slope = problem.jacobian(found.x) @ problem.misfit(found.x) + found.x / scale**2
     hessian = problem.jacobian(found.x) @ problem.jacobian(found.x).T + np.diag(scale**-2)
     assert 0.5 * slope @ np.linalg.solve(hessian, slope) == pytest.approx(found.short, rel=1e-3, abs=1e-9)
@@ -67,10 +73,11 @@ def test_the_prior_of_the_initial_state_is_found_by_its_evidence():
     ratios = []
     for seed in range(10):
         problem, truth, _ = toy(0.0, seed=seed)
-        found = search(problem, np.zeros(truth.size), 0.5, 4.0, lambda: None)
-        true = np.sqrt(np.sum((0.1 * np.exp(-problem.squares / 8)) ** 2))
-        ratios.append([found.size / true, found.width / 2.0])
-    assert np.exp(np.mean(np.log(ratios), axis=0)) == pytest.approx([1.0, 1.0], abs=0.15)
+        found = search(problem, np.zeros(truth.size), np.full(2, 0.5), 4.0, lambda: None)
+        power = np.exp(-problem.squares / 4)
+        true = np.array(SIZES) * np.sqrt(np.bincount(problem.component, power))
+        ratios.append([*found.sizes / true, found.width / 2.0])
+    assert np.exp(np.mean(np.log(ratios), axis=0)) == pytest.approx([1.0, 1.0, 1.0], abs=0.2)
 
 
 @pytest.fixture(scope="module")

@@ -84,12 +84,12 @@ def _searched(match: Match, film: Film, told: Callable[[], None]) -> tuple[Match
     # u is about |P|² P, and the film's first frames bound it from above with their noise.
     rms = np.sqrt(2 * np.mean(film.u[:2][np.broadcast_to(film.known[:2, None], film.u[:2].shape)] ** 2))
     size = float(np.clip(rms, 1e-6, 1.0) ** (1 / 3))
-    found = search(problem, begin(match, film, problem, size), size, WIDTH, told)
+    found = search(problem, begin(match, film, problem, size), np.full(2, size), WIDTH, told)
     ratio = _ratio(match, found)
     if ratio >= SPARSE:
         return match, found, ratio, 1.0
     match, over = match.quieter(found.left, _free(match, found) / found.left.size)
-    found = search(match.problem(), found.x, found.size, found.width, told, blurred=False)
+    found = search(match.problem(), found.x, found.sizes, found.width, told, blurred=False)
     return match, found, _ratio(match, found), over
 
 

@@ -101,7 +101,8 @@ class Match:
             jacobian,
             np.log([START[name] for name in layout.free[:n]]),
             np.tile(self.squares, 2),
-            np.tile(mean[0][kept[0]] * mean[1][kept[1]], 2) / 2,
+            np.tile(mean[0][kept[0]] * mean[1][kept[1]], 2),
+            np.repeat([0, 1], self.squares.size),
             np.concatenate(peaks),
         )
 
@@ -258,7 +259,7 @@ def begin(match: Match, film: Film, problem: Problem, size: float) -> Array:
     right = _real_waves(2 * np.pi / match.layout.grid.length * film.z, orders[1])
     design = left[:, None, arrays.kept[0]] * right[None, :, arrays.kept[1]]
     design = design[seen]
-    scale = problem.scale(size, WIDTH)[problem.logs :][: design.shape[1]]
+    scale = problem.scale(np.full(2, size), WIDTH)[problem.logs :][: design.shape[1]]
     design, ridge = design * scale, 0.05
     solve = np.linalg.solve(design.T @ design / ridge + np.eye(scale.size), design.T @ P.T / ridge)
     return np.concatenate([problem.begin, (scale * solve.T).ravel()])

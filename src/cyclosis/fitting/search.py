@@ -10,8 +10,10 @@ follow the noise of early frames into a wrong state. The Jacobian is exact (forw
 gradients alone (L-BFGS) need thousands of runs: the combinations of parameters differ by a factor 100 in how
 well they are known.
 
-The amplitude a and the width K of the prior of P, s_k = a exp(-k²/2K²), are those of the largest evidence:
-the probability of the film with the unknowns integrated out, in the normal approximation.
+The amplitudes a and the width K of the prior of P, s_k = a exp(-k²/2K²), are those of the largest evidence:
+the probability of the film with the unknowns integrated out, in the normal approximation. Each component of P
+has its own amplitude: while disorder orders, repulsion damps one of them, and all waves of both grow or decay
+as exp(-(d_s k² + ...)t).
 """
 
 from __future__ import annotations
@@ -48,7 +50,8 @@ class Problem:
     """What is minimised: `misfit(x)` is (u_model - u)/σ, `jacobian(x)` its slopes, one row per unknown.
 
     The first `logs` unknowns have the prior mean `begin` and deviation 1, all others mean 0. `squares` are
-    k² of those, and `weights` the mean square of their waves, 1 or 1/2 or 1/4. `peak` is that of u in σ.
+    k² of those, `weights` the mean square of their waves, 1 or 1/2 or 1/4, and `component` (0, 1, ...) says
+    to which component of P they belong. `peak` is that of u in σ.
     """
 
     misfit: Callable[[Array], Array]
@@ -56,6 +59,7 @@ class Problem:
     begin: Array
     squares: Array
     weights: Array
+    component: npt.NDArray[np.intp]
     peak: Array
 
     @property
@@ -63,11 +67,19 @@ class Problem:
         """The number of parameters."""
         return self.begin.size
 
-    def scale(self, size: float, width: float) -> Array:
-        """Return the deviations of all unknowns, for P of root mean square `size` and waves up to `width`."""
+    @property
+    def components(self) -> int:
+        """The number of components of P."""
+        return int(self.component.max()) + 1
+
+    def scale(self, sizes: Array, width: float) -> Array:
+        """Return the deviations of all unknowns.
+
+        `sizes` are the root mean squares of the components of P, and `width` is up to where waves reach.
+        """
         fall = np.exp(-self.squares / (2 * width**2))
-        fall *= size / np.sqrt((self.weights * fall**2).sum())
-        return np.concatenate([np.ones(self.logs), fall])
+        power = np.bincount(self.component, self.weights * fall**2)
+        return np.concatenate([np.ones(self.logs), fall * (sizes / np.sqrt(power))[self.component]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,25 +94,25 @@ class Found:
     left: Array
     effective: float
     short: float
-    size: float
+    sizes: Array
     width: float
 
 
 def search(
     problem: Problem,
     x: Array,
-    size: float,
+    sizes: Array,
     width: float,
     told: Callable[[], None],
     *,
     blurred: bool = True,
 ) -> Found:
-    """Return the most probable unknowns, from x and the prior of a size and a width.
+    """Return the most probable unknowns, from x and the prior of some sizes and a width.
 
     Without `blurred` x is taken to be near them.
     """
     mean = np.concatenate([problem.begin, np.zeros(x.size - problem.logs)])
-    scale = problem.scale(size, width)
+    scale = problem.scale(sizes, width)
     for stage, blur in enumerate(_blurs(problem.peak)[0 if blurred else -1 :]):
         weight = 1 / np.sqrt(1 + blur**2)
         last = not np.any(blur)
@@ -109,8 +121,8 @@ def search(
                 problem, x, mean, scale, weight, CLOSED if last else CLOSE, DAMPING[bool(stage)], told
             )
             if stage and not again:
-                size, width = _evident(problem, parts, size, width)
-                scale = problem.scale(size, width)
+                sizes, width = _evident(problem, parts, sizes, width)
+                scale = problem.scale(sizes, width)
     slopes, left, _ = parts
     white = scale[:, None] * slopes
     hessian = white @ white.T + np.eye(x.size)
@@ -123,7 +135,7 @@ def search(
         left,
         float(x.size - np.trace(inverse)),
         0.5 * float(slope @ inverse @ slope),
-        size,
+        sizes,
         width,
     )
 
@@ -189,9 +201,9 @@ def _descended(
 
 
 def _evident(
-    problem: Problem, parts: tuple[Array, Array, Array], size: float, width: float
-) -> tuple[float, float]:
-    """Return the size and the width of the prior of P with the largest evidence, linearised here."""
+    problem: Problem, parts: tuple[Array, Array, Array], sizes: Array, width: float
+) -> tuple[Array, float]:
+    """Return the sizes and the width of the prior of P with the largest evidence, linearised here."""
     from scipy.optimize import minimize
 
     slopes, left, away = parts
@@ -199,15 +211,15 @@ def _evident(
     pull = slopes @ (slopes.T @ away - left)
 
     def against(logs: npt.NDArray[np.float64]) -> float:
-        scale = problem.scale(*np.exp(logs))
+        scale = problem.scale(np.exp(logs[:-1]), float(np.exp(logs[-1])))
         white = scale[:, None] * square * scale + np.eye(scale.size)
         root = np.linalg.cholesky(white)
         solved = np.linalg.solve(root, scale * pull)
         return float(np.log(np.diag(root)).sum() - 0.5 * solved @ solved)
 
-    bounds = [tuple(np.log(SIZES)), tuple(np.log(WIDTHS))]
-    begin = np.clip(np.log([size, width]), *np.transpose(bounds))
-    options: Any = {"maxfev": 120, "xatol": 0.02, "fatol": 0.05}
+    bounds = [tuple(np.log(SIZES))] * problem.components + [tuple(np.log(WIDTHS))]
+    begin = np.clip(np.log([*sizes, width]), *np.transpose(bounds))
+    options: Any = {"maxfev": 60 * len(bounds), "xatol": 0.02, "fatol": 0.05}
     found = minimize(against, begin, method="Nelder-Mead", bounds=bounds, options=options)
-    size, width = np.exp(found.x)
-    return float(size), float(width)
+    *found_sizes, found_width = np.exp(found.x)
+    return np.array(found_sizes), float(found_width)
