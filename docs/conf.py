@@ -118,8 +118,15 @@ def widen(app, doctree, name):
             cell["classes"].append("sentence")
 
 
+def foreign(app, what, name, obj, skip, options):
+    """Leave out members that are functions of NumPy: their text is not ours."""
+    home = getattr(getattr(obj, "__self__", None), "__class__", type(None)).__module__
+    return True if home.split(".")[0] == "numpy" else None
+
+
 def setup(app):
     """Have docstrings, signatures and pages passed through the functions above."""
     app.connect("doctree-resolved", widen)
+    app.connect("autodoc-skip-member", foreign)
     app.connect("autodoc-process-docstring", as_rst)
     app.connect("autodoc-process-signature", in_short)

@@ -168,7 +168,7 @@ def gallery() -> str:
 
 
 def cards(items: Iterable[tuple[str, str, str, str]]) -> str:
-    """Return a grid of cards. An item has a page, a picture, a title, and a text whose first sentence is shown."""
+    """Return a grid of cards, each with a page, a picture, a title, and the first sentence of a text."""
     out = "::::{grid} 1 2 2 3\n:gutter: 3\n"
     for page, picture, title, text in items:
         first = re.split(r"(?<=[.])\s", " ".join(text.split()))[0]

@@ -9,6 +9,7 @@ import tempfile
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import numpy as np
 from generate import EXAMPLES
 from PIL import Image, ImageOps
 
@@ -18,10 +19,13 @@ SIZE = (480, 270)
 
 
 def thumbnail(picture: Image.Image) -> Image.Image:
-    """Return a picture of `SIZE` on white, its left part if it is a long row of panels."""
+    """Return a picture of `SIZE` on white: of a long row of panels, the first that fit."""
     shown = picture.convert("RGB")
-    if shown.width > 2.2 * shown.height:
-        shown = shown.crop((0, 0, round(2.2 * shown.height), shown.height))
+    widest = round(2.2 * shown.height)
+    if shown.width > widest:
+        blank = (np.asarray(shown).min(axis=(0, 2)) > 250).nonzero()[0]
+        gaps = blank[(blank > 0.8 * shown.height) & (blank <= widest)]
+        shown = shown.crop((0, 0, int(gaps[-1]) if len(gaps) else shown.width, shown.height))
     return ImageOps.pad(shown, SIZE, Image.Resampling.LANCZOS, color="white")
 
 
