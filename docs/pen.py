@@ -86,7 +86,7 @@ def filament(axes, centre, angle, length=1.0, colour=UP, faint=False, ends="−+
     q = np.array([-p[1], p[0]])
     minus = np.asarray(centre) - pivot * length * p
     plus = minus + length * p
-    alpha = 0.28 if faint else 1.0
+    alpha = 0.35 if faint else 1.0
     axes.plot(
         *zip(minus, plus, strict=True), color=colour, lw=width, solid_capstyle="round", alpha=alpha, zorder=3
     )
