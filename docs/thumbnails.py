@@ -9,7 +9,6 @@ import tempfile
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
-import numpy as np
 from generate import EXAMPLES
 from PIL import Image, ImageOps
 
@@ -18,14 +17,21 @@ SIZE = (480, 270)
 """Pixels of a card's picture: twice those on the page, for fine screens."""
 
 
-def thumbnail(picture: Image.Image) -> Image.Image:
-    """Return a picture of `SIZE` on white: of a long row of panels, the first that fit."""
-    shown = picture.convert("RGB")
-    widest = round(2.2 * shown.height)
-    if shown.width > widest:
-        blank = (np.asarray(shown).min(axis=(0, 2)) > 250).nonzero()[0]
-        gaps = blank[(blank > 0.8 * shown.height) & (blank <= widest)]
-        shown = shown.crop((0, 0, int(gaps[-1]) if len(gaps) else shown.width, shown.height))
+SHOWN = {
+    "circumferential": 0.665,
+    "closure": 0.5,
+    "drifting_stripes": 0.5,
+    "mixing": 0.6,
+    "straightening": 0.645,
+    "transport": 0.5,
+    "wound": 0.5,
+}
+"""The share of the width that a card shows of a long row of panels: the first of them."""
+
+
+def thumbnail(picture: Image.Image, share: float = 1.0) -> Image.Image:
+    """Return the left part of a picture, in `SIZE`, on white."""
+    shown = picture.convert("RGB").crop((0, 0, round(share * picture.width), picture.height))
     return ImageOps.pad(shown, SIZE, Image.Resampling.LANCZOS, color="white")
 
 
@@ -43,7 +49,7 @@ def main(names: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder:
             module.main(folder)
             with Image.open(f"{folder}/{path.stem}.png") as picture:
-                drawn = thumbnail(picture).quantize(128, dither=Image.Dither.NONE)
+                drawn = thumbnail(picture, SHOWN.get(path.stem, 1.0)).quantize(128, dither=Image.Dither.NONE)
         drawn.save(FOLDER / f"{path.stem}.png", optimize=True)
 
 
