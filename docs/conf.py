@@ -6,6 +6,8 @@ import re
 import sys
 from pathlib import Path
 
+from docutils import nodes
+
 import cyclosis
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -16,14 +18,16 @@ author = "The cyclosis developers"
 copyright = author
 version = release = cyclosis.__version__
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx_design"]
 exclude_patterns = ["_build"]
 html_theme = "furo"
 html_title = "cyclosis"
 html_copy_source = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 highlight_language = "none"
 
-myst_enable_extensions = ["amsmath", "dollarmath", "html_image"]
+myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath", "html_image"]
 myst_heading_anchors = 4
 
 # Every page with cells is run again, in a separate folder, with the commands of this environment.
@@ -110,8 +114,23 @@ def _plain(text):
     return re.sub(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[\w+\]\]", "Array", text)
 
 
+def widen(app, doctree, name):
+    """Mark the cells of tables that hold a sentence, which static/site.css keeps wide enough to read."""
+    for cell in doctree.findall(nodes.entry):
+        if len(cell.astext()) > 48:
+            cell["classes"].append("sentence")
+
+
+def foreign(app, what, name, obj, skip, options):
+    """Leave out members that are functions of NumPy: their text is not ours."""
+    home = getattr(getattr(obj, "__self__", None), "__class__", type(None)).__module__
+    return True if home.split(".")[0] == "numpy" else None
+
+
 def setup(app):
-    """Have docstrings and signatures passed through the functions above."""
+    """Have docstrings, signatures and pages passed through the functions above."""
+    app.connect("doctree-resolved", widen)
+    app.connect("autodoc-skip-member", foreign)
     app.connect("autodoc-process-docstring", as_rst)
     app.connect("autodoc-process-signature", in_short)
     living.add_to(app)

@@ -157,13 +157,24 @@ def symbols() -> str:
 
 
 def gallery() -> str:
-    """Return the page that lists the scripts of the gallery."""
-    out = (
-        NOTE + "# Gallery\n\nEach phenomenon is shown by a script that takes some seconds, and by numbers.\n"
-    )
-    out += "The scripts are in `examples/`, and these pages run them.\n\n"
-    out += "".join(f"* [{_titled(path)[0]}]({path.stem}.md)\n" for path in EXAMPLES)
+    """Return the page that shows the scripts of the gallery as cards, with their pictures and titles."""
+    out = NOTE + "# Gallery\n\nEach phenomenon is shown by a script that takes some seconds, and by numbers "
+    out += "that a test checks.\nThe scripts are in `examples/`, and these pages run them.\n"
+    for heading, names in CHAPTERS.items():
+        out += f"\n## {heading}\n\n" + cards(
+            (f"{name}.md", f"../images/gallery/{name}.png", *_titled(SCRIPTS[name])[:2]) for name in names
+        )
     return out + "\n```{toctree}\n:hidden:\n\n" + "".join(f"{p.stem}\n" for p in EXAMPLES) + "```\n"
+
+
+def cards(items: Iterable[tuple[str, str, str, str]]) -> str:
+    """Return a grid of cards, each with a page, a picture, a title, and the first sentence of a text."""
+    out = "::::{grid} 1 2 2 3\n:gutter: 3\n"
+    for page, picture, title, text in items:
+        first = re.split(r"(?<=[.])\s", " ".join(text.split()))[0]
+        out += f"\n:::{{grid-item-card}} {title}\n:img-top: {picture}\n:img-alt: {title}\n"
+        out += f":link: {page.removesuffix('.md')}\n:link-type: doc\n\n{first}\n:::\n"
+    return out + "::::\n"
 
 
 def example(path: Path) -> str:
@@ -323,10 +334,17 @@ def phase_diagram() -> str:
     return json.dumps(found) + "\n"
 
 
-ORDER = (
-    *("emergence", "growth", "breaking_up", "two_ends", "unequal_stripes", "thresholds", "straightening"),
-    *("circumferential", "drifting_stripes", "helix", "cytochalasin", "wound"),
-)
+CHAPTERS = {
+    "From disorder to two streams": ("emergence", "growth", "breaking_up", "two_ends"),
+    "What keeps the pattern": ("thresholds", "unequal_stripes", "straightening", "wound", "cytochalasin"),
+    "Other directions": ("circumferential", "drifting_stripes", "helix"),
+    "Beyond the mean, beyond the cylinder": ("closure", "ends"),
+    "Inside the cell": ("mixing", "transport"),
+    "Your own cell": ("own_film",),
+}
+"""The scripts of the gallery, in its order."""
+SCRIPTS = {name: HERE.parent / "examples" / f"{name}.py" for names in CHAPTERS.values() for name in names}
+ORDER = tuple(SCRIPTS)
 EXAMPLES = sorted((HERE.parent / "examples").glob("*.py"), key=lambda path: ORDER.index(path.stem))
 """The scripts of the gallery, in its order."""
 
@@ -439,6 +457,7 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     "traced": ("For JAX", "the functions that `jit`, `grad` and `vmap` may trace", "", ("cyclosis.traced",)),
 }
 """Pages of the reference: title, what is there, names of `cyclosis`, and modules."""
+
 
 def worksheet() -> str:
     """Return the page of questions for a class."""

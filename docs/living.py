@@ -43,8 +43,14 @@ CELLS = {
         steps=[{"at": 10.0, "action": "change", "alpha_p": 0.0}, {"at": 60.0, "action": "fragment"}],
     ),
     "wound": _cell(STRIPES, (48, 48), steps=[{"at": 10.0, "action": "fragment", "where": DISC}]),
+    "closure": _cell(SEED, (32, 32)),
+    "mixing": _cell(STRIPES, (32, 16)),
+    "transport": _cell(STRIPES, (32, 16)),
+    "own_film": _cell(SEED, (32, 32), d_s=0.05),
 }
 """The cells that pages of the gallery offer to try, by page."""
+CLOSED = {"ends"}
+"""Pages on closed cells, which a page without a server does not compute."""
 FRONT = _cell(SEED, (48, 48))
 """The cell of the front page."""
 
@@ -68,9 +74,9 @@ class TryIt(Directive):
     def run(self):
         """Return the link, or a sentence where the site has no explorer."""
         name = self.arguments[0]
-        if name not in CELLS:
+        if name not in CELLS.keys() | CLOSED:
             raise self.error(f"no cell is described for {name}: add it to CELLS in docs/living.py")
-        if not built():
+        if not built() or name in CLOSED:
             command = nodes.literal(text="cyclosis explore")
             return [nodes.paragraph("", "", command, nodes.Text(" shows such cells in the browser."))]
         link = address(self.state.document.settings.env.docname, CELLS[name])

@@ -1,4 +1,4 @@
-"""The drug alone does not stop a cell.
+"""The drug that unbundles does not stop a cell.
 
 Cytochalasin keeps filaments from bundling: α_p = 0. In an established cell the flow that the cables drive
 keeps the cables aligned, and streaming continues at 92 % of its speed. The cell stops only if the drug also

@@ -1,4 +1,4 @@
-"""A tilted cue keeps a helix.
+"""A tilted cue keeps the streams helical.
 
 Old cells of Chara stream along helices. With the repulsive direction tilted by 0.4, stripes that wind once
 about the axis of a cell of one pitch keep their turn. They are the stripes of an untilted cell that is

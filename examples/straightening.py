@@ -1,4 +1,4 @@
-"""Bent zones straighten.
+"""Bent borders between streams straighten.
 
 Zones that bend along the cell straighten, and the longest wave decays last. The decay rate of a small bend
 in a run is that of the leading mode with one wave along the cell, -0.0541 at the parameters of Figure 4.

@@ -1,4 +1,4 @@
-"""How much flow stripes need.
+"""How much flow two stripes need.
 
 The least α_u at which two equal stripes are stable falls by eight decades as bundling grows, by the law of
 fronts: narrow zones hardly interact. Below α_p = d_r + d_s = 0.05 stripes exist only beyond a fold.

@@ -1,4 +1,4 @@
-"""The noise decides between two regimes.
+"""The same cell ends with one stream or with two.
 
 Where both streaming regimes are stable, the initial noise decides between them: cells whose first wave
 around the axis is large compared with the mean of P_z become cyclosis, and the others become unidirectional.

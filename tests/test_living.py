@@ -19,7 +19,7 @@ PAGES = sorted(path.stem for path in (DOCS / "gallery").glob("*.md") if path.ste
 
 
 def test_every_page_of_the_gallery_opens_a_cell_that_a_browser_computes():
-    assert sorted(living.CELLS) == PAGES
+    assert sorted(living.CELLS.keys() | living.CLOSED) == PAGES
     for name, cell in living.CELLS.items():
         assert f"```{{try-it}} {name}\n" in (DOCS / "gallery" / f"{name}.md").read_text()
         ready = cell.ready()

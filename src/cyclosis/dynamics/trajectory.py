@@ -145,7 +145,7 @@ class Trajectory:
 
     @property
     def plot(self) -> Plot:
-        """Figures of the run: `run.plot()`, `run.plot.snapshot(time)`, `.history()`, `.movie(path)`.
+        """Figures of the run: `run.plot()`, and `run.plot` has `snapshot`, `history`, `movie`.
 
         Example:
             >>> import cyclosis as cy

@@ -173,7 +173,7 @@ def azimuthal_mode(
     rank: int = 0,
     repulsion: str = PRINCIPAL,
 ) -> AzimuthalMode:
-    """Return a perturbation e^{±imθ} of a state that does not depend on θ: that of `azimuthal_rates`[rank].
+    """Return a perturbation e^{±imθ} of a state that is the same at all θ, of a `rank` in `azimuthal_rates`.
 
     With m > 0 each comes twice, turned by a quarter of its wave: ranks 0 and 2 are two different ones. The
     rate is Σ l·L r over the terms' linear operators L, with l and r its left and right vectors, l·r = 1.
