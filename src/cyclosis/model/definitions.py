@@ -200,7 +200,7 @@ INITIAL = (
     Definition("bump_width", "-", "standard deviation of the bump, in radii", 0.5, "number", 0.01, 100.0),
 )
 
-STEPPERS = ("adaptive", "etdrk4", "rk4")
+STEPPERS = ("adaptive", "multistep", "etdrk4", "rk4")
 """The time steppers, the adaptive one first; `dynamics.steppers.METHODS` defines each."""
 
 RUN = (
