@@ -32,7 +32,7 @@ KEPT = 3
 GROWTH = 1.5
 """A step may be longer than the last by this factor: backward differentiation needs even steps."""
 
-STRICTNESS = 2.0
+STRICTNESS = 1.5
 """The estimate is multiplied by this: steps are shorter than those of ETDRK4, and their errors more."""
 
 
