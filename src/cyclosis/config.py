@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .model.definitions import INITIAL, ADAPTIVE, STEPPERS, TABLES, Definition
+from .model.definitions import ADAPTIVE, INITIAL, STEPPERS, TABLES, Definition
 from .model.errors import InputError, closest
 from .model.starts import USED_BY as USED_BY
 from .model.starts import check_initial as check_initial

@@ -15,8 +15,8 @@ from ..contract.model import Model, TermLike
 from ..dynamics.advance import StepperState
 from ..dynamics.course import Intervention
 from ..dynamics.frames import Frames
-from ..dynamics.protocol import Protocol
 from ..dynamics.multistep import Past
+from ..dynamics.protocol import Protocol
 from ..dynamics.restart import PAST, Restart
 from ..dynamics.settings import Settings
 from ..dynamics.trajectory import Effort, Status, Trajectory

@@ -81,9 +81,7 @@ class Control(NamedTuple):
 
 
 @partial(jax.jit, static_argnames="method")
-def start(
-    system: System, spectrum: jax.Array, t: Any, method: Method = METHODS["adaptive"]
-) -> StepperState:
+def start(system: System, spectrum: jax.Array, t: Any, method: Method = METHODS["adaptive"]) -> StepperState:
     """Return the `StepperState` of a run that begins at time t."""
     now = system.at(spectrum, t)
     nonlinear = system.nonlinear(now)

@@ -1,6 +1,7 @@
 """A linearly implicit multistep method of fourth order: one right-hand side a step.
 
-With f = L P + N and variable steps, let E_k P be the polynomial through the last k states, at the new time, and
+With f = L P + N and variable steps, let E_k P be the polynomial through the last k states at the new time,
+and
 
     B_k P' = [ℓ_k P' + Σ_j w_kj P_j] / h
 
@@ -13,9 +14,10 @@ cost two transforms. A step predicts, evaluates N once, and corrects:
     P' = P* + δ,    δ = (1 - τ₄ A)⁻¹ [h f(P*) - h B₄ P*] / ℓ₄
     N' = B₄ P' - L P'
 
-P* is of third order and so is any A, which needs to be no more than near the Jacobian for stability: what it
-misses enters as h² (J - A) times the error of what is corrected. P' is of fourth order, and δ estimates the
-error of P*. N' differs from N(P') by the error of a derivative, and leaves steady states as they are.
+P* is of third order and P' of fourth, whatever A is: what A misses of the Jacobian J enters as h (J - A)
+times the error that is corrected. A only has to be near J for long steps to be stable. δ estimates the error
+of P*.
+N' differs from N(P') by the error of a derivative, and is exact in a steady state.
 """
 
 from __future__ import annotations
@@ -32,6 +34,8 @@ KEPT = 3
 GROWTH = 1.5
 """A step may be longer than the last by this factor: backward differentiation needs even steps."""
 
+SHRINKAGE = 8.0
+"""A step shorter than the last by more than this factor begins anew: N' has the error of the longer steps."""
 STRICTNESS = 1.5
 """The estimate is multiplied by this: steps are shorter than those of ETDRK4, and their errors more."""
 
@@ -64,13 +68,18 @@ def ready(past: Past) -> Any:
     return jnp.all(jnp.isfinite(past.times))
 
 
+def stale(past: Past, t: Any, h: Any) -> Any:
+    """Return whether a step of length h from time t is too short for what is remembered."""
+    return h < (t - past.times[0]) / SHRINKAGE
+
+
 def longest(past: Past, t: Any) -> Any:
     """Return how long a step from time t may be (infinite without earlier states)."""
-    return GROWTH * (t - past.times[0])
+    return jnp.where(jnp.isfinite(past.times[0]), GROWTH * (t - past.times[0]), jnp.inf)
 
 
 def rise(past: Past, t: Any, h: Any) -> Any:
-    """Return how many rungs the step may rise after one of length h from time t: one if all steps were even."""
+    """Return how many rungs a step may rise above one of length h from time t: one after even steps."""
     shortest = jnp.min(jnp.concatenate([t - past.times[:1], past.times[:-1] - past.times[1:]]))
     return jnp.where(ready(past) & (shortest < 0.99 * h), 0, 1)
 
@@ -97,19 +106,23 @@ def advanced(
     """Return P', N', δ, the moment of P* and D there, from the state Z with its N at time t."""
     real = linear.dtype
     x = (jnp.concatenate([jnp.reshape(t, 1), past.times]) - (t + h)) / h
-    states = jnp.concatenate([Z[None], past.modes[:KEPT]])
-    rests = jnp.concatenate([N[None], past.modes[KEPT:]])
-    lead, earlier, ahead = (item.astype(real) for item in weights(x[:KEPT]))
+    states, rests = (Z, *past.modes[:KEPT]), (N, *past.modes[KEPT:])
     h = jnp.asarray(h, real)
-    guess = jnp.tensordot(ahead, states[:KEPT], 1)
-    rest = h * (jnp.tensordot(ahead, rests, 1) + linear * guess)
-    rest = rest - lead * guess - jnp.tensordot(earlier, states[:KEPT], 1)
-    predicted = guess + system.relaxed(rest, past.local, h / lead) / lead
+    lead, earlier, ahead = (item.astype(real) for item in weights(x[:KEPT]))
+    guess = _combined(ahead, states)
+    rest = h * (_combined(ahead, rests) + linear * guess) - lead * guess - _combined(earlier, states)
+    predicted = guess + (1.0 / lead) * system.relaxed(rest, past.local, h / lead)
     now = system.at(predicted, t + h)
     local = system.local(now)
     lead, earlier, _ = (item.astype(real) for item in weights(x))
-    before = jnp.tensordot(earlier, states, 1)
+    before = _combined(earlier, states)
     rest = h * (system.nonlinear(now) + linear * predicted) - lead * predicted - before
-    change = system.relaxed(rest, local, h / lead) / lead
+    change = (1.0 / lead) * system.relaxed(rest, local, h / lead)
     new = predicted + change
-    return new, (lead * new + before) / h - linear * new, change, now, local
+    return new, (1.0 / h) * (lead * new + before) - linear * new, change, now, local
+
+
+def _combined(weights: jax.Array, arrays: tuple[jax.Array, ...]) -> jax.Array:
+    """Return the sum of arrays, as many as there are weights: written out, so that it joins other loops."""
+    total: jax.Array = sum(weights[i] * arrays[i] for i in range(1, weights.size)) + weights[0] * arrays[0]
+    return total

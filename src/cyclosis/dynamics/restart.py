@@ -24,8 +24,9 @@ class Restart:
     """The stepper's whole state, and what the run has found so far.
 
     `progress` holds the fields of `StepperState` (spectral state, its nonlinear part, step control and
-    counters) by name, and those of the `Past` of a multistep method as past_times, past_modes, past_local; `sign_time` and `sign` the first sign of an underresolved run; `wall_time` the
-    seconds spent; `done` the number of the protocol's events that are done.
+    counters) by name, and the `Past` of a multistep method as past_times, past_modes and past_local;
+    `sign_time` and `sign` the first sign of an underresolved run; `wall_time` the seconds spent; `done` the
+    number of the protocol's events that are done.
     """
 
     progress: dict[str, npt.NDArray[Any]]

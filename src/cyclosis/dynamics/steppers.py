@@ -25,7 +25,7 @@ import jax
 import jax.numpy as jnp
 
 from ..contract.system import LocalSystem, System
-from .multistep import STRICTNESS, Past, advanced, begin, ready, shifted
+from .multistep import STRICTNESS, Past, advanced, begin, ready, shifted, stale
 
 
 class Tableau(NamedTuple):
@@ -105,19 +105,24 @@ def step(system: System, c: Tableau, t: Any, h: Any, Z: jax.Array, N1: jax.Array
 def multistep(
     system: LocalSystem, linear: jax.Array, t: Any, h: Any, Z: jax.Array, N: jax.Array, past: Past
 ) -> Stepped:
-    """Advance by the multistep method, see `multistep`, or by ETDRK4-B as long as there is no past."""
+    """Advance by the multistep method, see `multistep`, or by ETDRK4-B without a past that suits the step."""
+    begins_anew = stale(past, t, h)
 
     def first() -> Stepped:
-        new, rest, error, peak, *_ = step(system, tableau(linear, h), t, h, Z, N)
+        now = jax.lax.cond(begins_anew, lambda: system.nonlinear(system.at(Z, t)), lambda: N)
+        new, rest, error, peak, *_ = step(system, tableau(linear, h), t, h, Z, now)
         local = system.local(system.at(new, t + h))
-        return Stepped(new, rest, error, peak, shifted(past, t, Z, N, local), jnp.asarray(4))
+        kept = past._replace(times=jnp.where(begins_anew, -jnp.inf, past.times))
+        return Stepped(
+            new, rest, error, peak, shifted(kept, t, Z, now, local), 4 + begins_anew.astype(jnp.int64)
+        )
 
     def further() -> Stepped:
         new, rest, error, now, local = advanced(system, linear, t, h, Z, N, past)
-        past_then = shifted(past, t, Z, N, local)
-        return Stepped(new, rest, STRICTNESS * error, system.peak(now), past_then, jnp.asarray(1))
+        kept = shifted(past, t, Z, N, local)
+        return Stepped(new, rest, STRICTNESS * error, system.peak(now), kept, jnp.asarray(1, jnp.int64))
 
-    return jax.lax.cond(ready(past), further, first)
+    return jax.lax.cond(ready(past) & ~begins_anew, further, first)
 
 
 @dataclass(frozen=True)
