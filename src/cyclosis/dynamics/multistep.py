@@ -70,7 +70,7 @@ def ready(past: Past) -> Any:
 
 def stale(past: Past, t: Any, h: Any) -> Any:
     """Return whether a step of length h from time t is too short for what is remembered."""
-    return h < (t - past.times[0]) / SHRINKAGE
+    return jnp.isfinite(past.times[0]) & (h < (t - past.times[0]) / SHRINKAGE)
 
 
 def longest(past: Past, t: Any) -> Any:
