@@ -71,7 +71,8 @@ def test_the_decaying_part_has_no_growth_and_keeps_what_has_none():
     values, vectors = np.linalg.eigh(0.5 * (given + given.transpose(0, 2, 1)))
     kept = (vectors * np.minimum(values, 0.0)[:, None, :]) @ vectors.transpose(0, 2, 1)
     assert found == pytest.approx(kept + 0.5 * (given - given.transpose(0, 2, 1)), abs=1e-13)
-    assert (values > 0).any(axis=1).any() and (values < 0).all(axis=1).any()
+    assert (values > 0).any(axis=1).any()
+    assert (values < 0).all(axis=1).any()
 
 
 @pytest.mark.parametrize("dealias", ["none", "cubic"])
@@ -94,7 +95,8 @@ def test_a_steady_state_is_kept():
     with double():
         now = start(cell, cell.spectrum(P), np.float64(0.0), METHOD)
         now = advance(cell, Control.of(1e-4, 1e-10, 1.01), now, np.float64(1e4), np.int64(200), METHOD)
-        assert float(now.t) == 1e4 and float(now.h) > 300
+        assert float(now.t) == 1e4
+        assert float(now.h) > 300
         assert float(cell.size(now.spectrum - cell.spectrum(P))) < 1e-9
 
 
@@ -147,7 +149,8 @@ def test_a_step_far_shorter_than_the_last_begins_anew():
         now = start(cell, cell.spectrum(cy.initial.disordered(GRID, 100, seed=1)), np.float64(0.0), METHOD)
         now = advance(cell, loose, now, np.float64(20.0), np.int64(1000), METHOD)
         later = advance(cell, strict, now, np.float64(20.5), np.int64(1000), METHOD)
-    assert float(later.t) == 20.5 and not bool(later.failed)
+    assert float(later.t) == 20.5
+    assert not bool(later.failed)
     assert int(later.evaluations - now.evaluations) > int(later.accepted + later.rejected) - int(
         now.accepted + now.rejected
     )
@@ -170,16 +173,16 @@ def test_float32_runs_and_landing_on_uneven_times():
     times = (0.1, 0.13, 0.9, 2.0, 2.001, 5.0)
     found = run(5.0, save_at=times, precision="float32")
     exact = run(5.0, save_at=times, stepper="adaptive", rtol=1e-8)
-    assert found.ok and found.times.tolist() == list(times)
+    assert found.ok
+    assert found.times.tolist() == list(times)
     assert np.abs(found.final_state - exact.final_state).max() < 2e-3
 
 
 def test_models_without_a_local_part_refuse_it_in_a_sentence():
     grid = cy.CylinderGrid(16, 12, 5.0)
-    start_ = np.zeros((2, *grid.shape))
     for model in (cy.models.kinetic, cy.models.polar_model(concentration=True)):
+        P = model.starts.make({"kind": "disordered", "seed": 1}, grid)
         with pytest.raises(cy.InputError, match="adaptive, etdrk4, rk4"):
-            P = model.starts.make({"kind": "disordered", "seed": 1}, grid) if model.starts else start_
             cy.simulate(model.parameters(), grid, P, 1.0, model=model, stepper="multistep")
 
 
