@@ -157,7 +157,11 @@ def fixed_steps(stepper, steps=(0.05, 0.025, 0.0125, 0.00625)):
 
 
 def adaptive(stepper="adaptive", tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9)):
-    """Order of an adaptive stepper: of its solution against the number of steps."""
+    """Order of an adaptive stepper: of its solution against the number of steps.
+
+    Of multistep without the largest tolerance, at which the first short steps are a third of all.
+    """
+    tolerances = tolerances[1:] if stepper == "multistep" else tolerances
     found = [run(SMALL, 0.0, SMALL, stepper=stepper, rtol=rtol, atol=1e-14) for rtol in tolerances]
     law = f"order in time, {stepper}"
     rows = [
