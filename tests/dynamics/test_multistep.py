@@ -126,6 +126,13 @@ def test_runs_of_other_steppers_remember_nothing():
     assert not [name for name in run(1.0, stepper="adaptive").restart.progress if name.startswith("past")]
 
 
+def test_an_event_leaves_no_past():
+    """Earlier states of another right-hand side say nothing about the next step."""
+    whole, changed = run(1.0), run(1.0, protocol=cy.Protocol(cy.change(at=1.0, alpha_u=0.9)))
+    assert np.isfinite(whole.restart.progress["past_times"]).all()
+    assert (changed.restart.progress["past_times"] == -np.inf).all()
+
+
 @pytest.mark.slow
 def test_events_and_ramps_are_those_of_the_default_stepper():
     """A cut, a jump and a ramp: the past is forgotten, and the run agrees with a finer one of ETDRK4."""
