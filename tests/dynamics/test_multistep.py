@@ -55,8 +55,9 @@ def test_the_local_jacobian_is_that_of_the_torques_at_fixed_flow(closure):
         now = moment(cell, 0.5 * state())
         c, m = relaxation.jacobian(now, cell.terms)
         ends = [filaments.turned_by(now.beside(now.p + sign * change), torques) for sign in (1, -1)]
-        found = c * change + m * jnp.conj(change)
-    assert np.abs(found - 0.5 * (ends[0] - ends[1])).max() < 1e-9 * np.abs(found).max()
+        found = np.asarray(c * change + m * jnp.conj(change))
+        expected = np.asarray(0.5 * (ends[0] - ends[1]))
+    assert np.abs(found - expected).max() < 1e-9 * np.abs(found).max()
 
 
 def test_the_decaying_part_has_no_growth_and_keeps_what_has_none():
