@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .model.definitions import INITIAL, STEPPERS, TABLES, Definition
+from .model.definitions import ADAPTIVE, INITIAL, STEPPERS, TABLES, Definition
 from .model.errors import InputError, closest
 from .model.starts import USED_BY as USED_BY
 from .model.starts import check_initial as check_initial
@@ -173,11 +173,12 @@ def setup(tables: Tables, steps: Any = ()) -> Setup:
 
 def _refuse_idle(run: Mapping[str, Any]) -> None:
     """Refuse settings that would do nothing."""
-    fixed = run.get("stepper", "adaptive") != "adaptive"
+    fixed = run.get("stepper", STEPPERS[0]) not in ADAPTIVE
+    chosen = "used with stepper = " + " or ".join(ADAPTIVE)
     for key, idle, rule in (
-        ("rtol", fixed, "used with stepper = adaptive"),
-        ("atol", fixed, "used with stepper = adaptive"),
-        ("dt", not fixed, "used with a stepper of fixed steps, " + " or ".join(STEPPERS[1:])),
+        ("rtol", fixed, chosen),
+        ("atol", fixed, chosen),
+        ("dt", not fixed, "used with a stepper of fixed steps, " + " or ".join(STEPPERS[len(ADAPTIVE) :])),
         ("save_every", run.get("save_at") is not None, "used without save_at"),
     ):
         if idle and run.get(key) is not None:

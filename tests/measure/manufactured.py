@@ -11,7 +11,7 @@ import numpy as np
 
 import cyclosis as cy
 import oracle
-from cyclosis.dynamics import steppers
+from cyclosis.dynamics import multistep, steppers
 from cyclosis.model.precision import double
 from cyclosis.model.system import system
 
@@ -156,10 +156,14 @@ def fixed_steps(stepper, steps=(0.05, 0.025, 0.0125, 0.00625)):
     return rows
 
 
-def adaptive(tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9)):
-    """Order of the adaptive pair: of its solution against the number of steps."""
-    found = [run(SMALL, 0.0, SMALL, stepper="adaptive", rtol=rtol, atol=1e-14) for rtol in tolerances]
-    law = "order in time, adaptive"
+def adaptive(stepper="adaptive", tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9)):
+    """Order of an adaptive stepper: of its solution against the number of steps.
+
+    Of multistep without the largest tolerance, at which the first short steps are a third of all.
+    """
+    tolerances = tolerances[1:] if stepper == "multistep" else tolerances
+    found = [run(SMALL, 0.0, SMALL, stepper=stepper, rtol=rtol, atol=1e-14) for rtol in tolerances]
+    law = f"order in time, {stepper}"
     rows = [
         Row(law, f"max |P - P*|, rtol = {rtol:g}, {out.effort.accepted} steps", error)
         for rtol, (error, out) in zip(tolerances, found, strict=True)
@@ -199,6 +203,45 @@ def estimate(steps=(0.1, 0.05, 0.025, 0.0125)):
     return rows
 
 
+def one_multistep(steps=(0.1, 0.05, 0.025, 0.0125)):
+    """One multistep step from exact states, uneven in time: error estimate h⁴, error h⁵, N' - N(P') h⁴.
+
+    N' is that of a derivative of fourth order, and D that of the state before, as in a run.
+    """
+    t0, grid, gaps = 0.3, cy.CylinderGrid(*SMALL, LENGTH), np.array([0.0, 1.2, 2.1, 3.5])
+    cell = system(PARAMS, grid, [*oracle.TERMS, forcing(0.0, SMALL)])
+    found = {"error estimate": [], "error": [], "error of N": []}
+
+    @jax.jit
+    def one(cell, states, h):
+        t = t0 - h * gaps
+        moments = [cell.at(Z, time) for Z, time in zip(states, t, strict=True)]
+        rest = [cell.nonlinear(now) for now in moments]
+        modes = jnp.stack([*states[1:], *rest[1:3]])
+        past = multistep.Past(t[1:], modes, cell.local(moments[0]))
+        taken = steppers.multistep(cell, cell.linear(), t0, h, states[0], rest[0], past)
+        return taken, cell.nonlinear(cell.at(taken.spectrum, t0 + h))
+
+    with double():
+        for h in steps:
+            states = [cell.spectrum(solution(t0 - h * gap, SMALL, 0.0)) for gap in gaps]
+            taken, rest = one(cell, states, h)
+            assert taken.evaluations == 1
+            exact = cell.spectrum(solution(t0 + h, SMALL, 0.0))
+            errors = taken.error, taken.spectrum - exact, taken.nonlinear - rest
+            for values, error in zip(found.values(), errors, strict=True):
+                values.append(float(cell.size(error)))
+    rows, law = [], "one step of multistep"
+    for (name, values), order in zip(found.items(), (4, 5, 4), strict=True):
+        for a, b, h in zip(values, values[1:], steps[1:], strict=False):
+            last = h == steps[-1]
+            low, high = (order - 0.2, order + 0.2) if last else (None, None)
+            rows.append(
+                Row(law, f"order of its {name}, h = {2 * h:g} to {h:g}", float(np.log2(a / b)), high, low)
+            )
+    return rows
+
+
 def rows():
     """Return every row of this comparison."""
     return [
@@ -208,4 +251,6 @@ def rows():
         *fixed_steps("etdrk4"),
         *adaptive(),
         *estimate(),
+        *adaptive("multistep"),
+        *one_multistep(),
     ]

@@ -21,9 +21,15 @@ def test_fixed_steppers_have_the_order_that_they_claim(stepper):
     check(manufactured.fixed_steps(stepper))
 
 
-def test_adaptive_pair_is_of_fourth_order():
+@pytest.mark.parametrize("stepper", ["adaptive", pytest.param("multistep", marks=pytest.mark.slow)])
+def test_adaptive_steppers_are_of_fourth_order(stepper):
     """The error of the solution falls with the fourth power of the number of steps."""
-    check(manufactured.adaptive())
+    check(manufactured.adaptive(stepper))
+
+
+@pytest.mark.slow
+def test_a_multistep_step_has_the_orders_of_its_derivation():
+    check(manufactured.one_multistep())
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import jax
 
@@ -35,4 +35,20 @@ class System(Protocol):
 
     def peak(self, now: Any) -> jax.Array:
         """Return the largest |P|² at a moment, or its equivalent; a run must stay below the bound squared."""
+        ...
+
+
+@runtime_checkable
+class LocalSystem(System, Protocol):
+    """A system that knows which part of N decays fast, place by place: what stepper multistep needs.
+
+    At every place D, a matrix without growth, acts on the state there; it is near the Jacobian of N.
+    """
+
+    def local(self, now: Any) -> jax.Array:
+        """Return D at a moment, as one array."""
+        ...
+
+    def relaxed(self, spectrum: jax.Array, local: jax.Array, tau: Any) -> jax.Array:
+        """Return (1 - τ L)⁻¹ (1 - τ D)⁻¹ of modes."""
         ...

@@ -15,8 +15,9 @@ from ..contract.model import Model, TermLike
 from ..dynamics.advance import StepperState
 from ..dynamics.course import Intervention
 from ..dynamics.frames import Frames
+from ..dynamics.multistep import Past
 from ..dynamics.protocol import Protocol
-from ..dynamics.restart import Restart
+from ..dynamics.restart import PAST, Restart
 from ..dynamics.settings import Settings
 from ..dynamics.trajectory import Effort, Status, Trajectory
 from ..model.doors import door
@@ -224,8 +225,9 @@ def _interventions(contents: Contents, like: Any) -> tuple[Intervention, ...]:
 
 def _stepper_state(contents: Contents) -> dict[str, Any]:
     stored = contents.restart
-    out = {name: stored[name] for name in StepperState._fields if name in stored}
-    for name in ("spectrum", "nonlinear"):
+    known = (*StepperState._fields, *(PAST + name for name in Past._fields))
+    out = {name: stored[name] for name in known if name in stored}
+    for name in {"spectrum", "nonlinear", "past_modes", "past_local"} & out.keys():
         packed = np.empty(out[name].shape[1:], dtypes(contents.attributes["precision"])[1])
         packed.real, packed.imag = out[name]  # a sum would lose the sign of zeros
         out[name] = packed

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..contract.system import System
+from . import multistep
 from .steppers import METHODS, Method
 
 FIRST_RUNG, LOWEST_RUNG, HIGHEST_RUNG = -8, -46, 40
@@ -37,7 +38,8 @@ class StepperState(NamedTuple):
     """The state of a run: all that is needed to continue it bit for bit.
 
     `calm_since` is the time since when the rate of change has stayed below `Control.steady_rate` and has not
-    grown, infinite while it is above; `least_rate` is the least rate since then.
+    grown, infinite while it is above; `least_rate` is the least rate since then. `past` is what a multistep
+    method remembers, None for others.
     """
 
     t: Any
@@ -54,6 +56,7 @@ class StepperState(NamedTuple):
     failed: Any
     calm_since: Any = np.float64(np.inf)
     least_rate: Any = np.float64(np.inf)
+    past: Any = None
 
 
 class Control(NamedTuple):
@@ -77,8 +80,8 @@ class Control(NamedTuple):
         return cls(np.float64(rtol), np.float64(atol), np.float64(dt), np.float64(steady_rate), bound)
 
 
-@jax.jit
-def start(system: System, spectrum: jax.Array, t: Any) -> StepperState:
+@partial(jax.jit, static_argnames="method")
+def start(system: System, spectrum: jax.Array, t: Any, method: Method = METHODS["adaptive"]) -> StepperState:
     """Return the `StepperState` of a run that begins at time t."""
     now = system.at(spectrum, t)
     nonlinear = system.nonlinear(now)
@@ -98,6 +101,7 @@ def start(system: System, spectrum: jax.Array, t: Any) -> StepperState:
         jnp.asarray(False),
         jnp.asarray(jnp.inf, jnp.float64),
         jnp.asarray(jnp.inf, jnp.float64),
+        None if method.begin is None else method.begin(system, now, nonlinear),
     )
 
 
@@ -151,11 +155,16 @@ def _calm(control: Control, now: StepperState, t: Any, rate: Any, noise: Any) ->
 def _aim(now: StepperState, control: Control, target: Any, adaptive: bool) -> StepperState:
     """Cut the interval to the target into equal steps, unless some of an earlier cut are left."""
     wanted = length(now.rung) if adaptive else control.dt
+    cut_short = False
+    if now.past is not None:
+        # After a step much shorter than its rung the next ones grow to it, each cut anew.
+        cut_short = (now.left > 1) & (now.h < 0.5 * wanted)
+        wanted = jnp.minimum(wanted, multistep.longest(now.past, now.t))
     left = jnp.maximum(jnp.ceil((target - now.t) / wanted - 1e-9), 1.0).astype(jnp.int64)
     h = (target - now.t) / left
     # A length that differs only by rounding is kept, so that its coefficients are reused.
     h = jnp.where(jnp.abs(h - now.h) < 1e-12 * h, now.h, h)
-    fresh = now.left == 0
+    fresh = (now.left == 0) | cut_short
     return now._replace(h=jnp.where(fresh, h, now.h), left=jnp.where(fresh, left, now.left))
 
 
@@ -169,7 +178,8 @@ def one_step(
     method: Method = METHODS["adaptive"],
 ) -> StepperState:
     """Try a step of length `now.h` with its coefficients, and choose the rung of the next."""
-    result = method.step(system, c, now.t, now.h, now.spectrum, now.nonlinear)
+    remembered = () if now.past is None else (now.past,)
+    result = method.step(system, c, now.t, now.h, now.spectrum, now.nonlinear, *remembered)
     rate = _relative_rate(system, linear, result.spectrum, result.nonlinear)
     bounded = (result.peak <= control.bound**2) & jnp.isfinite(rate)  # False for NaN as well
     if method.adaptive:
@@ -179,13 +189,14 @@ def one_step(
         # one order less, so that it scales as h^order: hence the exponent -1/order.
         factor = jnp.where(bounded, SAFETY * jnp.maximum(error, 1e-12) ** (-1.0 / method.order), 0.0)
         fitting = jnp.floor(2.0 * jnp.log2(jnp.maximum(factor * now.h, 1e-30)) + 1e-9).astype(jnp.int64)
+        rise = MAX_RISE if now.past is None else multistep.rise(now.past, now.t, now.h)
         # A step cut short by the target may be shorter than its rung: that alone does not lower the rung.
         kept = jnp.where(factor >= 1.0, jnp.maximum(fitting, now.rung), fitting)
         # A rejected step is followed by one at least a rung below the length that was tried.
         tried = jnp.floor(2.0 * jnp.log2(now.h) + 1e-9).astype(jnp.int64)
         rung = jnp.where(
             good,
-            jnp.clip(kept, now.rung - MAX_FALL, now.rung + MAX_RISE),
+            jnp.clip(kept, now.rung - MAX_FALL, now.rung + rise),
             jnp.clip(fitting, tried - MAX_FALL, tried - 1),
         )
         rung = jnp.minimum(rung, HIGHEST_RUNG)
@@ -211,7 +222,8 @@ def one_step(
         h=now.h,
         # Zero requests a new cut of the interval to the target.
         left=jnp.where((rung != now.rung) | ~good, 0, onward),
-        evaluations=now.evaluations + method.evaluations,
+        evaluations=now.evaluations
+        + (method.evaluations if result.evaluations is None else result.evaluations),
         accepted=now.accepted + good,
         rejected=now.rejected + ~good,
         peak=pick(jnp.maximum(jnp.sqrt(result.peak).astype(jnp.float64), now.peak), now.peak),
@@ -219,6 +231,7 @@ def one_step(
         failed=failed & ~good,
         calm_since=pick(calm_since, now.calm_since),
         least_rate=pick(least_rate, now.least_rate),
+        past=jax.tree.map(pick, result.past, now.past),
     )
 
 

@@ -16,6 +16,7 @@ from ..contract.model import Array, Problem
 from ..contract.system import System
 from ..display.shown import shown
 from .advance import FIRST_RUNG, StepperState, start
+from .multistep import forget
 from .protocol import Protocol
 from .schedule import Schedule, Stage
 
@@ -87,6 +88,7 @@ class Course:
             peak=fresh.peak if note is not None else now.peak,
             rung=jnp.minimum(now.rung, FIRST_RUNG),
             left=jnp.zeros_like(now.left),
+            past=forget(now.past),
             evaluations=now.evaluations + 1,
         ), note
 

@@ -43,7 +43,7 @@ class Follower:
 
     def begin(self, spectrum: npt.NDArray[Any]) -> None:
         """Begin a run at t = 0."""
-        self.now = start(self.system, spectrum, np.float64(0.0))
+        self.now = start(self.system, spectrum, np.float64(0.0), self.method)
 
     def take_up(self, now: StepperState, done: int, course: Course | None = None) -> None:
         """Continue from the state of a run after `done` events; on another course, if one is given."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..display.shown import shown
-from ..model.definitions import RUN, defaults
+from ..model.definitions import ADAPTIVE, RUN, defaults
 from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.instants import instant
@@ -61,7 +61,7 @@ class Settings:
                     f"at least t_end / {MAX_FRAMES} = {beside(self.t_end / MAX_FRAMES, interval)}",
                     "save less often",
                 )
-        if self.precision == "float32" and self.stepper == "adaptive" and self.rtol < 1e-6:
+        if self.precision == "float32" and self.stepper in ADAPTIVE and self.rtol < 1e-6:
             raise InputError("rtol", self.rtol, "at least 1e-06 in float32", "raise it, or use float64")
 
     @classmethod

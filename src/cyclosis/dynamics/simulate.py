@@ -10,6 +10,7 @@ from typing import Any
 import numpy.typing as npt
 
 from ..contract.model import Model, TermLike
+from ..contract.system import LocalSystem
 from ..model.doors import door
 from ..model.errors import InputError
 from ..model.instants import instant
@@ -57,7 +58,9 @@ def simulate(
     `record_every`; steps land on these times exactly. Further `settings`, with their defaults in `Settings`:
 
     * stepper: "adaptive" (exponential Runge-Kutta of order 4 with an embedded estimate, `rtol` and
-      `atol` per step), "etdrk4" (the same with fixed `dt`) or "rk4" (the paper's; fixed `dt`).
+      `atol` per step), "multistep" (linearly implicit, one right-hand side per step, with `rtol` and `atol`
+      too: a third of the right-hand sides for a run to t = 200, see `docs/numerics.md`), "etdrk4" (the first
+      with fixed `dt`) or "rk4" (the paper's; fixed `dt`).
     * dealias: "none", "quadratic", "cubic" or "full": how far products are padded; "full" removes all
       aliasing of this model's quartic terms.
     * precision: "float64" or "float32".
@@ -178,7 +181,13 @@ def _course(
     shape: tuple[int, ...],
 ) -> Course:
     problem = model.problem(params, grid, terms, how.dealias, how.precision, shape)
-    return Course(problem, protocol, split=METHODS[how.stepper].exact)
+    method = METHODS[how.stepper]
+    course = Course(problem, protocol, split=method.exact)
+    if method.begin is not None and not isinstance(course.system(0), LocalSystem):
+        others = ", ".join(name for name, other in METHODS.items() if other.begin is None)
+        rule = f"for this model ({model.wording}) one of {others}"
+        raise InputError("stepper", how.stepper, rule, "leave it out for the adaptive one")
+    return course
 
 
 def _same(run: Trajectory, chosen: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -24,7 +24,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from ..contract.system import System
+from ..contract.system import LocalSystem, System
+from .multistep import STRICTNESS, Past, advanced, begin, ready, shifted, stale
 
 
 class Tableau(NamedTuple):
@@ -43,12 +44,17 @@ class Tableau(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """The result of a step: the new spectrum, its N, the error estimate, and the peak, max |P|²."""
+    """The result of a step: the new spectrum, its N, the error estimate, and the peak, max |P|².
+
+    A multistep method adds its new `past`, and its number of right-hand sides where that is not always equal.
+    """
 
     spectrum: Any
     nonlinear: Any
     error: Any
     peak: Any
+    past: Any = None
+    evaluations: Any = None
 
 
 def phi(z: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -96,6 +102,29 @@ def step(system: System, c: Tableau, t: Any, h: Any, Z: jax.Array, N1: jax.Array
     return Stepped(new, N5, c.w4 * (N4 - N5), system.peak(end))
 
 
+def multistep(
+    system: LocalSystem, linear: jax.Array, t: Any, h: Any, Z: jax.Array, N: jax.Array, past: Past
+) -> Stepped:
+    """Advance by the multistep method, see `multistep`, or by ETDRK4-B without a past that suits the step."""
+    begins_anew = stale(past, t, h)
+
+    def first() -> Stepped:
+        now = jax.lax.cond(begins_anew, lambda: system.nonlinear(system.at(Z, t)), lambda: N)
+        new, rest, error, peak, *_ = step(system, tableau(linear, h), t, h, Z, now)
+        local = system.local(system.at(new, t + h))
+        kept = past._replace(times=jnp.where(begins_anew, -jnp.inf, past.times))
+        return Stepped(
+            new, rest, error, peak, shifted(kept, t, Z, now, local), 4 + begins_anew.astype(jnp.int64)
+        )
+
+    def further() -> Stepped:
+        new, rest, error, now, local = advanced(system, linear, t, h, Z, N, past)
+        kept = shifted(past, t, Z, N, local)
+        return Stepped(new, rest, STRICTNESS * error, system.peak(now), kept, jnp.asarray(1, jnp.int64))
+
+    return jax.lax.cond(ready(past) & ~begins_anew, further, first)
+
+
 @dataclass(frozen=True)
 class Method:
     """A stepper: how it makes a step, and how its step length is chosen.
@@ -104,20 +133,25 @@ class Method:
     `step(system, coefficients, t, h, Z, N1)` a `Stepped`, with `evaluations` right-hand sides. `order` is
     that of the method. An `adaptive` one chooses h by its error estimate, others take `dt`. `exact` says that
     linear terms are kept separate from N; if not, `stability` is the largest h |λ| on the negative real axis,
-    which bounds the default of `dt`.
+    which bounds the default of `dt`. A multistep method has `begin(system, moment, N)`, the past of a run
+    that begins, and gets the past as the last argument of `step`.
     """
 
     tableau: Callable[[jax.Array, Any], Any]
-    step: Callable[[System, Any, Any, Any, jax.Array, jax.Array], Stepped]
+    step: Callable[..., Stepped]
     order: int
     evaluations: int
     adaptive: bool = False
     exact: bool = True
     stability: float = float("inf")
+    begin: Callable[[Any, Any, jax.Array], Past] | None = None
 
 
 METHODS = {
     "adaptive": Method(tableau, step, order=4, evaluations=4, adaptive=True),
+    "multistep": Method(
+        lambda linear, h: linear, multistep, order=4, evaluations=1, adaptive=True, begin=begin
+    ),
     "etdrk4": Method(tableau, step, order=4, evaluations=4),
     "rk4": Method(tableau, step, order=4, evaluations=4, exact=False, stability=2.78),
 }

@@ -200,8 +200,10 @@ INITIAL = (
     Definition("bump_width", "-", "standard deviation of the bump, in radii", 0.5, "number", 0.01, 100.0),
 )
 
-STEPPERS = ("adaptive", "etdrk4", "rk4")
-"""The time steppers, the adaptive one first; `dynamics.steppers.METHODS` defines each."""
+STEPPERS = ("adaptive", "multistep", "etdrk4", "rk4")
+"""The time steppers, the default first; `dynamics.steppers.METHODS` defines each."""
+ADAPTIVE = STEPPERS[:2]
+"""Those that choose their steps by a tolerance; the others take `dt`."""
 
 RUN = (
     Definition("t_end", "t", "time at which the run ends", 200.0, "number", 0.0, 1e9),
@@ -228,7 +230,7 @@ RUN = (
     ),
     Definition("stepper", "-", "time stepper", STEPPERS[0], "choice", allowed=STEPPERS),
     Definition(
-        "rtol", "-", "relative error allowed in a step of the adaptive stepper", 1e-4, "number", 1e-13, 1e-1
+        "rtol", "-", "relative error allowed in a step of the adaptive steppers", 1e-4, "number", 1e-13, 1e-1
     ),
     Definition(
         "atol", "-", "absolute error allowed in a step (root mean square of P)", 1e-10, "number", 0.0, 1e-1

@@ -160,11 +160,11 @@ def _rate(now: Moment, term: Term) -> jax.Array:
         P, u = unpack(now.p), unpack(now.u)
         return pack(term.function(now.time, P, u, now.values, now.grid)).astype(now.p.dtype)
     if term.kind == "torque":
-        return _turned(now, [term])
+        return turned_by(now, [term])
     return term.function(now)
 
 
-def _turned(now: Moment, torques: list[Term]) -> jax.Array:
+def turned_by(now: Moment, torques: list[Term]) -> jax.Array:
     """Return what torques together add to dP/dt, packed.
 
     In other closures than the paper's shear and repulsion turn each filament by its own direction; all other
@@ -203,7 +203,7 @@ def nonlinear(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
     names = {term.name for term in terms}
     fused = now.fuses and {"advection", "shear"} <= names and now.closure == PAPER
     separate = [t for t in terms if t.kind != "linear" and not (fused and t.name in ("advection", "shear"))]
-    rate = _turned(now, [t for t in separate if t.kind == "torque"])
+    rate = turned_by(now, [t for t in separate if t.kind == "torque"])
     for term in separate:
         if term.kind != "torque":
             rate = rate + _rate(now, term)

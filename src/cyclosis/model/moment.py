@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -58,6 +59,12 @@ class Moment:
         self.time, self.spectrum, self.values = time, spectrum, values
         self.space, self.operator, self.cubic, self.grid = space, operator, cubic, grid
         self.closure = closure
+
+    def beside(self, p: jax.Array) -> Moment:
+        """Return the same instant with another P at every place, in the flow of this one."""
+        other = copy.copy(self)
+        other.__dict__ |= {"u": self.u, "p": p}
+        return other
 
     @cached_property
     def p(self) -> jax.Array:

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
-from . import closures, filaments, hydrodynamics, interior, spectral
+from . import closures, filaments, hydrodynamics, interior, relaxation, spectral
 from .closures import PAPER
 from .definitions import definition
 from .doors import door
@@ -121,6 +121,14 @@ class System:
     def peak(self, now: Moment) -> jax.Array:
         """Return max |P|²."""
         return jnp.max(dot(now.p, now.p))
+
+    def local(self, now: Moment) -> jax.Array:
+        """Return the decaying part of the local Jacobian of the torques, see `relaxation`."""
+        return relaxation.decaying(*relaxation.jacobian(now, self.terms))
+
+    def relaxed(self, spectrum: jax.Array, local: jax.Array, tau: Any) -> jax.Array:
+        """Return (1 - τ L)⁻¹ (1 - τ D)⁻¹ of a packed spectrum, with the D that `local` returned."""
+        return relaxation.relaxed(self.space, self.linear(), local, spectrum, tau)
 
     def rate(self, now: Moment) -> jax.Array:
         """Return the spectrum of dP/dt."""

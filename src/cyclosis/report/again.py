@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..dynamics.protocol import Protocol
-from ..model.definitions import STEPPERS, TABLES, TERM_NAMES, definition, option
+from ..model.definitions import ADAPTIVE, STEPPERS, TABLES, TERM_NAMES, definition, option
 from ..model.errors import InputError
 from ..model.units import NAMES, stored
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
 IDLE = {True: ("dt",), False: ("rtol", "atol")}
-"""Settings of [run] that are not used by the adaptive stepper, and by the others."""
+"""Settings of [run] that are not used by the adaptive steppers, and by the others."""
 
 
 def start_of(asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def tables_of(asked: Mapping[str, Any], scales: Mapping[str, float] | None = Non
     for name in TABLES:
         table = dict(asked.get(name, {}))
         if name == "run":
-            for idle in IDLE[table.get("stepper", STEPPERS[0]) == STEPPERS[0]]:
+            for idle in IDLE[table.get("stepper", STEPPERS[0]) in ADAPTIVE]:
                 table.pop(idle, None)
             if "save_at" in table:
                 table.pop("save_every", None)
