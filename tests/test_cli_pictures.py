@@ -94,6 +94,7 @@ def test_theory(cyclosis, name, suffix):
             assert data.data_vars
 
 
+@pytest.mark.slow
 def test_an_experiment(cyclosis):
     assert "timescales" in cyclosis("experiment", "list")
     told = cyclosis("experiment", "timescales", "--quick", "--out", "out")

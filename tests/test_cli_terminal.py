@@ -145,6 +145,7 @@ def test_output_that_nobody_reads(folder):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a shell closes the streams")
+@pytest.mark.slow
 def test_output_and_errors_that_are_closed(folder):
     line = f"{' '.join(COMMAND)} info absent 2>&-"
     assert subprocess.run(line, shell=True, cwd=folder, stdout=subprocess.DEVNULL).returncode == 2

@@ -107,7 +107,15 @@ EXAMPLES = {
         "draws": 8,
         "window": 0.1,
     },
-    **{"geometry": None, "progress": None, "pairs": 2, "steady_stage": True, "size_px": (64, 64)},
+    **{
+        "geometry": None,
+        "progress": None,
+        "pairs": 2,
+        "gap": 1,
+        "average": 1,
+        "steady_stage": True,
+        "size_px": (64, 64),
+    },
     **{"view": "map", "centred": True},
     **{"first": None, "second": None, "names": ("A", "B")},
 }

@@ -324,6 +324,7 @@ def test_there_must_be_something_left_to_do(short, t_end):
         cy.resume_file(short, t_end)
 
 
+@pytest.mark.slow
 def test_the_cost_of_a_checkpoint_does_not_grow(tmp_path):
     """The parts of a long run are no larger than those of its beginning."""
     writer = cy.RunWriter(tmp_path / "run.nc")

@@ -86,6 +86,7 @@ def test_a_branch_says_what_happens_on_it(tmp_path):
         assert data["kappa"].values[0] == pytest.approx(0.45)
 
 
+@pytest.mark.slow
 def test_a_map_counts_points_and_keeps_them(tmp_path):
     out = said(
         "map", "--x", "kappa=0.03:0.5:2", "--y", "alpha_u=0.5:0.7:2", "--quiet",

@@ -51,6 +51,7 @@ def turned_difference(grid):
     return np.abs(ends[1] - ends[0] @ turn.T).max()
 
 
+@pytest.mark.slow
 def test_a_capsule_turned_about_its_axis():
     """By a whole number of points, to rounding."""
     P = smooth()

@@ -56,6 +56,7 @@ def struck(folder, number, before="", call=RUN):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.slow
 def test_a_script_that_loops_over_runs_ends_with_the_first_and_keeps_it(tmp_path, number):
     code, complaints = struck(tmp_path, number)
     assert code == -number

@@ -89,6 +89,7 @@ def test_relaxed_inverts_both_factors(dealias):
         assert float(cell.size(cell.space.to_spectrum(back) * cell.space.keep - given)) < 1e-14
 
 
+@pytest.mark.slow
 def test_a_steady_state_is_kept():
     """At the fixed point α_p (1 - P²) = d_r steps grow beyond 300, and rounding stays near `atol`."""
     params = cy.Parameters(alpha_p=1.0, alpha_u=0.0, kappa=0.0, d_r=0.19)

@@ -97,6 +97,7 @@ def test_followed_to_the_end_it_is_the_single_run():
     assert outcome.regime == cy.regime(one.params, GRID, run.final_state).name
 
 
+@pytest.mark.slow
 def test_certain_regimes_are_those_of_brute_force():
     members = [*various(), member(7, alpha_p=0.4, alpha_u=0.1), member(8, alpha_p=0.08, alpha_u=0.1)]
     sure = follow(members, EnsembleSettings(t_end=1500.0))

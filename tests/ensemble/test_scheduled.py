@@ -46,6 +46,7 @@ def test_a_member_is_the_single_run():
     assert 0 < outcome.t_order <= 30.0
 
 
+@pytest.mark.slow
 def test_an_outcome_does_not_depend_on_company_order_or_lanes():
     members = [member(seed, alpha_u=0.3 + 0.1 * seed) for seed in range(3)]
     plain = Member(members[0].params, GRID, members[0].state)

@@ -124,6 +124,7 @@ def test_ends_are_those_of_known_states():
     assert found.around == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_travelling_stripes_count_as_stripes():
     grid = cy.CylinderGrid(36, 1)
     m = cy.kinetic.dressed(kinetic_cells.established(grid), 40)

@@ -157,6 +157,7 @@ LATER = pytest.mark.slow
 
 
 @pytest.mark.parametrize("t_half", [pytest.param(1.0, marks=LATER), 3.0, pytest.param(4.0, marks=LATER)])
+@pytest.mark.slow
 def test_a_run_goes_on_bit_for_bit_through_a_file(tmp_path, t_half):
     whole = run(smooth(), 5.0, protocol=PROTOCOL, save_every=0.5)
     with cy.RunWriter(tmp_path / "half.nc") as writer:

@@ -77,6 +77,7 @@ def test_mirror_images_travel_the_other_way():
     assert again.drift == pytest.approx(-right.drift, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_start_that_is_given_is_used():
     right = state(24, 16)
     whole = right.state(cy.CylinderGrid(24, 8))

@@ -119,6 +119,7 @@ def test_runs_commute_with_the_symmetries(p, seed):
 
 @fewer
 @given(cells(), seeds)
+@pytest.mark.slow
 def test_runs_by_the_default_stepper_commute_with_translations(p, seed):
     """Step control sees norms only, so that the same steps are taken."""
     P = laws.state(seed)

@@ -100,6 +100,7 @@ def test_drifting_stripes_move_as_the_simulation_does():
     assert along(problem, state)[0][0].real < -0.01
 
 
+@pytest.mark.slow
 def test_growth_across_is_that_of_a_simulated_wave():
     params = cy.Parameters(alpha_p=0.5, alpha_u=0.3)
     problem, state = found(64, alpha_p=0.5, alpha_u=0.3)

@@ -77,6 +77,7 @@ def test_a_member_is_the_run_of_the_same_seed(stored):
 
 
 @pytest.mark.parametrize(("block", "lanes"), [(1, None), (4, 3), (6, 2)])
+@pytest.mark.slow
 def test_results_do_not_depend_on_blocks_and_lanes(stored, block, lanes):
     tables = changed(ensemble=TABLES["ensemble"] | {"block": block}, run={"t_end": 10.0, "lanes": lanes})
     assert np.array_equal(fields(cy.Sweep.from_tables(tables)), stored)

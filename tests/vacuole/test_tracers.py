@@ -129,6 +129,7 @@ def test_single_precision_of_the_table_changes_little():
 
 
 @pytest.mark.parametrize("peclet", [None, 50.0])
+@pytest.mark.slow
 def test_many_tracers_move_as_few_do(peclet, monkeypatch):
     flow, starts = stirred(16), places(230)
     given = {"t_end": 7.0, "save_at": [7.0], "refine": 2, "n_s": 32, "peclet": peclet}
@@ -145,6 +146,7 @@ def test_many_tracers_move_as_few_do(peclet, monkeypatch):
         assert len(np.unique(np.round(many[0, :, 0] - starts[:, 0] * np.cos(starts[:, 1]), 9))) == 230
 
 
+@pytest.mark.slow
 def test_frames_of_few_points_are_summed_as_those_of_many():
     import jax.numpy as jnp
 
@@ -164,6 +166,7 @@ def test_frames_of_few_points_are_summed_as_those_of_many():
 
 
 @pytest.mark.parametrize("flow", [stirred(16), bands(stripes_profile(), 0.4 * np.pi, n=32)])
+@pytest.mark.slow
 def test_usual_settings_have_the_error_of_their_step(flow):
     starts = places(100, most=0.98)
     fine = V.trace(flow, starts, 10.0, [10.0], dt=0.05, order=5, refine=4).xyz
