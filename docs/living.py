@@ -112,7 +112,7 @@ def _add_page(app, failure):
         return
     folder = Path(app.outdir, FOLDER)
     shutil.rmtree(folder, ignore_errors=True)
-    static.write(folder)
+    static.write(folder, PAGE)
 
 
 def add_to(app):

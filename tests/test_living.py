@@ -39,7 +39,6 @@ def test_a_site_has_the_page_or_says_how_to_see_cells(tmp_path, monkeypatch, bui
         (page / "index.html").write_text('<head><meta charset="utf-8" /></head>')
         (page / "offline.js").write_text("const VERSION = '';\nconst FILES = [];\n")
     monkeypatch.setattr(living, "PAGE", page)
-    monkeypatch.setattr(living.static.write, "__defaults__", (page,))
     source, site = tmp_path / "source", tmp_path / "site"
     source.mkdir()
     (source / "index.rst").write_text(

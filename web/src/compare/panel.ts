@@ -38,7 +38,7 @@ export function comparePanel(hub: Hub, act: Chosen): ComparePanel {
     ...parameters.map(({ name, symbol, meaning }) => h('option', { value: name }, `${symbol === '-' ? '' : `${symbol}: `}${said(`setting.${name}`, meaning)}`)));
   const slider = h('input', { id: 'compare-slider', type: 'range', min: 0, max: STEPS, step: 1, 'aria-label': say('compare.value'), oninput: () => slid(), onchange: () => changed() });
   const field = h('input', { id: 'compare-value', type: 'number', step: 'any', inputmode: 'decimal', onchange: () => changed() });
-  const flag = h('input', { id: 'compare-flag', type: 'checkbox', onchange: () => changed() });
+  const flag = h('input', { id: 'compare-flag', type: 'checkbox', 'aria-label': say('compare.value'), onchange: () => changed() });
   const label = h('label', { for: 'compare-value' });
   const button = h('button', { id: 'compare', class: 'main', onclick: () => (on ? act.end() : act.begin(select.value, value())) }, say('compare.begin'));
   const chosen = (): Definition => parameters.find(({ name }) => name === select.value)!;
