@@ -1,8 +1,15 @@
-"""A process of the tests forgets compiled programs before it has more of them than the system allows."""
+"""What all tests share: they can import the benchmarks, and forget compiled programs in time.
+
+A process of the tests forgets them before it has more of them than the system allows.
+"""
 
 import gc
 import itertools
+import sys
 from pathlib import Path
+
+# Attacks of the explorer run in processes of their own, which find them here as well.
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 
 MAPS, LIMIT = Path("/proc/self/maps"), Path("/proc/sys/vm/max_map_count")
 SHARE = 0.5

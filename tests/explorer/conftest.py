@@ -2,15 +2,11 @@
 
 import importlib
 import shutil
-import sys
-from pathlib import Path
 
 import pytest
 
 from cyclosis.explorer.server import PAGE
 
-# Attacks run in processes of their own, which find them here as well.
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 hostile = importlib.import_module("hostile")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 # The browser draws in software and asks nothing of any network.

@@ -1,8 +1,6 @@
 """Films unlike those of the synthetic microscope, and the errors that are given for displacements."""
 
 import importlib
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ from cyclosis.observations.films import measuring, moving, steady, trial
 from observed import RUN
 
 pytest.importorskip("skimage")
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 strangers = importlib.import_module("strangers")
 SMALL = {"shape": (150, 200), "radius": 60.0}
 

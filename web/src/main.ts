@@ -16,6 +16,7 @@ import { key } from './panels/key';
 import { keys } from './panels/keys';
 import { isDark, keptPalette, look } from './panels/look';
 import { measures } from './panels/measures';
+import { makeRoom, showFrame } from './panels/arrivals';
 import { newCell } from './panels/newcell';
 import { toaster } from './panels/notices';
 import { now, toggle } from './panels/now';
@@ -134,18 +135,12 @@ function build(about: About): void {
     panels.querySelectorAll<HTMLDetailsElement>('details.panel').forEach((panel) => (panel.open = panel.id === 'panel-presets' || panel.id === 'panel-hand'));
   }
 
+  const shown = { hub, waits, scene, unseen };
   const hear = (raw: Said): void => {
     const said = comparison.hears(raw);
     if (said.type === 'cell') {
-      // The message that began another cell may have been lost with a connection.
-      said.fresh ||= said.begun !== hub.cell?.begun;
-      if (said.fresh) {
-        waits.blank(true);
-        scene.clear(said.outline);
-        app.classList.toggle('ball', said.outline?.axial === false);
-        unseen.dropped();
-        hub.frame = null;
-      }
+      makeRoom(said, shown);
+      if (said.fresh) app.classList.toggle('ball', said.outline?.axial === false);
       scene.playing = said.playing;
       scene.hurry();
       hub.emit('cell', said);
@@ -158,11 +153,8 @@ function build(about: About): void {
     waits,
     said: hear,
     frame: (frame) => {
-      waits.blank(false);
-      unseen.came(frame.frame);
       meter.add(performance.now(), frame.t);
-      scene.show(frame);
-      hub.emit('frame', frame);
+      showFrame(frame, shown);
       comparison.came(frame);
     },
     inside: (inside) => {

@@ -50,13 +50,4 @@ def compare(
     found = comparison(file, run, time=time, speed=speed, mirrored=mirrored)
     if not quiet:
         print(found)
-    for target in out or []:
-        if target.suffix.lower() == ".nc":
-            from ..dataset.tables import write_table
-
-            write_table(found.dataset, target)
-        else:
-            from ..figures import style
-
-            style.save(style.signed(found.figure(), targets.configuration()), target)
-        print(f"saved {target}")
+    targets.write(out, found.figure, lambda: found.dataset)

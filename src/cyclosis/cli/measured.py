@@ -10,7 +10,7 @@ import typer
 
 from ..model.errors import number
 from . import targets
-from .measuring import column, numbers, on_surface, pair, reading, say, write
+from .measuring import column, drawn, numbers, on_surface, pair, reading, say
 from .options import FORCE, OUTPUT, QUIET
 
 SUFFIXES = (".nc", ".png", ".pdf")
@@ -271,6 +271,4 @@ def measure(
     data = on_surface(seen, speed_um_per_s, max_angle, outside, depth_um)
     if not quiet:
         say(seen, data)
-    for target in out or []:
-        write(target, seen, data, image, depth_um)
-        print(f"saved {target}")
+    targets.write(out, lambda: drawn(seen, data, image, depth_um), lambda: data)

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..model.errors import InputError
-from . import targets
 
 if TYPE_CHECKING:
     from ..observations import Observation
@@ -85,19 +84,13 @@ def say(seen: Observation, data: Any) -> None:
         print(f"Warning: {data.attrs['warnings']}.")
 
 
-def write(target: Path, seen: Observation, data: Any, image: Path | None, depth_um: float | None) -> None:
-    """Write a measurement as numbers, or as a picture."""
-    if target.suffix.lower() == ".nc":
-        from ..dataset.tables import write_table
-
-        write_table(data, target)
-        return
-    from ..figures import measured, style
+def drawn(seen: Observation, data: Any, image: Path | None, depth_um: float | None) -> Any:
+    """Return the picture of a measurement, on an image of the cell or on what its film shows."""
+    from ..figures import measured
     from ..observations.picture import picture
 
     shown = seen.image if seen.format == "film" and seen.kind == "velocity" else None
-    drawn = measured.measurement(seen, data, shown if image is None else picture(image), depth_um)
-    style.save(style.signed(drawn, targets.configuration()), target)
+    return measured.measurement(seen, data, shown if image is None else picture(image), depth_um)
 
 
 def numbers(name: str, text: str | None, count: int | None = None) -> list[float] | None:

@@ -47,7 +47,7 @@ def check_folder(target: Path, reason: str = _FRAMES) -> None:
 
 
 def write(out: list[Path] | None, draw: Callable[[], Any], numbers: Callable[[], Any]) -> None:
-    """Write results of the theory to files, as figures or numbers, depending on their suffixes."""
+    """Write results to files, as figures or numbers, depending on their suffixes."""
     from ..dataset.tables import SUFFIXES, write_table
 
     for target in out or []:

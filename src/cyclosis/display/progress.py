@@ -35,7 +35,7 @@ class Surface(Protocol):
 
 
 def surface(progress: bool | None) -> Callable[[], Surface] | None:
-    """Return what makes the place where progress is shown; None if there is none."""
+    """Return the kind of display for progress here, or None where nothing is shown."""
     if progress is False or (progress is None and _silent) or multiprocessing.parent_process() is not None:
         return None
     if in_notebook():

@@ -19,7 +19,7 @@ from .frames import frame, grid_of, in_memory, indices_at, is_closed, peak_speed
 from .looks import setting
 from .portraits import Look, Portrait, portrait
 from .skin import Skin
-from .style import TYPE, WIDTH, blank, place
+from .style import SMALL, TYPE, WIDE, WIDTH, blank, place
 
 __all__ = [
     "compare",
@@ -35,9 +35,6 @@ _MARGIN, _TITLE, _AXIS, _LABEL, _APART, _KEY = 3.0, 12.0, 7.0, 7.0, 5.0, 11.0
 _LEAST_KEY = 11.0
 _HOW: dict[str, Any] = {"cmap": "berlin", "origin": "lower", "interpolation": "bilinear"}
 """The difference has other colours than P_z, dark at zero too, and safe for all colour vision."""
-_SMALL = {"font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7.0, "ytick.labelsize": 7.0}
-_SMALL_BELOW = 120.0
-"""Type of figures narrower than so many millimetres."""
 
 _Drawn = tuple[Any, float, str, float]
 """The image of a difference, its largest value, its size in words, and the lower end of its key."""
@@ -85,7 +82,7 @@ def compare(
     scales, box = scales_in(first), cell.map_extent()
     room = (width - 2 * _MARGIN - _LABEL - 2 * _APART - 2 * _KEY) / 3
     high = room * (box[3] - box[2]) / (box[1] - box[0])
-    with setting(TYPE | (_SMALL if width < _SMALL_BELOW else {})):
+    with setting(TYPE | (SMALL if width < WIDE else {})):
         size = matplotlib.rcParams["font.size"]
         figure = blank(width, _AXIS + high + _TITLE)
         left = _MARGIN + _LABEL
@@ -117,7 +114,7 @@ def _key(
     """Draw the key of a difference in a place in millimetres."""
     key = place(figure, *box)
     figure.colorbar(image, cax=key, ticks=sorted({ends[0], 0.0, ends[1]}), format="%.2g")
-    key.tick_params(labelsize=7.5 if figure.get_figwidth() * 25.4 >= _SMALL_BELOW else 6.5)
+    key.tick_params(labelsize=7.5 if figure.get_figwidth() * 25.4 >= WIDE else 6.5)
     name = r"|\Delta\mathbf{P}|" if ends[0] == 0.0 else rf"\Delta P_{cell.along.strip('$')}"
     key.set_title(f"${name}$", pad=5.0, fontsize=matplotlib.rcParams["font.size"])
 

@@ -15,19 +15,18 @@ from ..model.scales import Scales
 from ..model.units import PURE, scales_in, speed_unit
 from .clock import time_axis, time_label
 from .looks import setting
-from .style import INK, LEGEND, TYPE, blank, mathtext, place
+from .style import INK, LEGEND, SMALL, TYPE, WIDE, blank, mathtext, place
 
 # Places in millimetres.
 _LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
-COLUMNS, WIDE, NARROWEST = 3, 120.0, 80.0
-"""Panels side by side in a figure of at least so many millimetres. Narrower ones have two."""
+COLUMNS, NARROWEST = 3, 80.0
+"""Panels side by side in a wide figure, and its least width in millimetres. Narrow ones have two."""
 _NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT, _NARROW_BELOW, _NARROW_LABEL = 11.0, 12.0, 25.0, 8.0, 7.8
 _NARROW_ROW = _NARROW_HEIGHT + _ABOVE + _NARROW_BELOW
 SPEEDS = ("peak_speed", "rms_speed", "net_flux")
 """Recorded quantities that are speeds."""
 FONTS = TYPE | {"font.size": 9.0, "axes.labelsize": 9.0, "xtick.labelsize": 8.5}
 """The type of figures of many small panels."""
-_SMALL = {"font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7.0, "ytick.labelsize": 7.0}
 _SMALL_LEGEND = {"fontsize": 7.0, "ncols": 2, "labelspacing": 0.15, "borderaxespad": 0.3, "handlelength": 1.3}
 STYLES = ("-", (0, (3, 1.5)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
 """How the components of one quantity are told apart."""
@@ -101,7 +100,7 @@ class Panels:
 
 def fonts(width: float) -> dict[str, Any]:
     """Return the type of such a figure."""
-    return FONTS if width >= WIDE else FONTS | _SMALL
+    return FONTS if width >= WIDE else FONTS | SMALL
 
 
 def recorded(dataset: xarray.Dataset) -> list[str]:

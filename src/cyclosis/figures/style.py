@@ -34,9 +34,11 @@ __all__ = [
     "POLARITY",
     "QUIET",
     "SHADE",
+    "SMALL",
     "SUFFIXES",
     "TYPE",
     "UP",
+    "WIDE",
     "WIDTH",
     "ZONE",
     "blank",
@@ -78,6 +80,10 @@ DPI = 300
 """Dots per inch of saved bitmaps."""
 
 # STIX comes with matplotlib, so the figures look the same on every machine.
+WIDE = 120.0
+"""Width in millimetres below which figures have small type."""
+SMALL = {"font.size": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7.0, "ytick.labelsize": 7.0}
+"""That type, as changes of `TYPE`."""
 TYPE: dict[Any, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",

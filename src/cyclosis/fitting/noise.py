@@ -69,10 +69,12 @@ def noise_of(field: Array, times: Array, known: npt.NDArray[np.bool_]) -> Array:
 
     It is averaged along z, because what is seen obliquely is noisier, and 0 where nothing was seen.
     """
-    found = left(field, times, known)
-    if found is None:
-        return np.zeros(field.shape[1:])
-    return size(found)
+    return variance(left(field, times, known), field)
+
+
+def variance(found: Array | None, field: Array) -> Array:
+    """Return the variance of the noise of a field, given what `left` has found of it."""
+    return np.zeros(field.shape[1:]) if found is None else size(found)
 
 
 def size(found: Array) -> Array:
@@ -114,8 +116,8 @@ def _along(flat: Array, axis: int) -> float:
     return total
 
 
-def surrogate(field: Array, times: Array, variance: Array, rng: np.random.Generator) -> Array:
-    """Return noise like that of a field, with the same pattern in space and none in time.
+def surrogate(field: Array, times: Array, power: Array, rng: np.random.Generator) -> Array:
+    """Return noise of a variance like that of a field, with the same pattern in space and none in time.
 
     Its frames are those of the third difference in random order and with random signs, so that vectors that
     share pixels stay correlated.
@@ -124,5 +126,5 @@ def surrogate(field: Array, times: Array, variance: Array, rng: np.random.Genera
     drawn = pool[rng.integers(0, pool.shape[0], field.shape[0])]
     drawn = drawn * rng.choice([-1.0, 1.0], (field.shape[0], *[1] * (field.ndim - 1)))
     scale = np.sqrt(np.mean(pool**2, axis=(0, -1), keepdims=True))
-    size = np.sqrt(variance.mean(axis=-1, keepdims=True))[None]
-    return drawn * np.where(scale > 0, size / np.where(scale > 0, scale, 1.0), 0.0)
+    spread = np.sqrt(power.mean(axis=-1, keepdims=True))[None]
+    return drawn * np.where(scale > 0, spread / np.where(scale > 0, scale, 1.0), 0.0)

@@ -14,7 +14,7 @@ from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
 from .compared import Arrays, Layout, columns, misfit
 from .film import Film
-from .noise import left, noise_of, shared, size
+from .noise import left, shared, size, variance
 from .result import ORDER
 from .search import Problem
 from .windows import Window, averaging
@@ -212,18 +212,18 @@ def _measured(film: Film) -> tuple[Any, Any, Any, Any, Any, Any]:
             values = np.where(known, field, 0.0)
             doubled = np.stack([np.cos(2 * values), np.sin(2 * values)], axis=1)
             noise, peaks[name] = left(doubled, film.times, known), 1.0
-            variance = noise_of(doubled, film.times, known).sum(axis=0) / 4
+            power = variance(noise, doubled).sum(axis=0) / 4
         else:
             known = np.broadcast_to(known[:, None], field.shape)
             noise, peaks[name] = left(field, film.times, film.known), peak(field, film.known)
-            variance = noise_of(field, film.times, film.known)
+            power = variance(noise, field)
         share[name] = shared(noise)
         shapes[name] = field.shape
-        variance = np.maximum(variance, 1e-2 * variance[..., film.known.any(axis=0)].mean())
+        power = np.maximum(power, 1e-2 * power[..., film.known.any(axis=0)].mean())
         chosen = known & used.reshape(-1, *[1] * (field.ndim - 1))
         at[name] = np.flatnonzero(chosen).astype(np.int32)
         data[name] = values[chosen]
-        spread = np.sqrt(share[name] * np.maximum(variance, 1e-300))
+        spread = np.sqrt(share[name] * np.maximum(power, 1e-300))
         sigma[name] = np.broadcast_to(spread, field.shape)[chosen]
     return at, data, sigma, share, peaks, shapes
 

@@ -1,5 +1,6 @@
 import type { Socket } from '../connection';
 import { h } from '../panels/dom';
+import { makeRoom, showFrame, type Shown } from '../panels/arrivals';
 import { Hub } from '../panels/hub';
 import { isDark, keptPalette } from '../panels/look';
 import { Unseen } from '../panels/seen';
@@ -16,13 +17,13 @@ export interface Heard {
 }
 
 /** The picture of the second cell, which stays when the comparison ends, and its session, which does not. */
-export class Second {
+export class Second implements Shown {
   readonly cylinder = h('div', { id: 'second-cylinder', class: 'second' });
   readonly map = h('div', { id: 'second-map', class: 'second' });
   readonly hub: Hub;
   readonly scene: Scene;
-  private readonly waits: Waits;
-  private readonly unseen: Unseen;
+  readonly waits: Waits;
+  readonly unseen: Unseen;
   private session: Session | null = null;
 
   constructor(private readonly root: HTMLElement, about: About, private readonly heard: Heard, toast: (sentence: string) => void) {
@@ -51,10 +52,7 @@ export class Second {
       waits: this.waits,
       said: (said) => this.hear(said),
       frame: (frame) => {
-        this.waits.blank(false);
-        this.unseen.came(frame.frame);
-        this.scene.show(frame);
-        this.hub.emit('frame', frame);
+        showFrame(frame, this);
         this.heard.frame(frame);
       },
       inside: () => undefined,
@@ -93,13 +91,7 @@ export class Second {
 
   private hear(said: Said): void {
     if (said.type === 'cell') {
-      said.fresh ||= said.begun !== this.hub.cell?.begun;
-      if (said.fresh) {
-        this.waits.blank(true);
-        this.scene.clear(said.outline);
-        this.unseen.dropped();
-        this.hub.frame = null;
-      }
+      makeRoom(said, this);
       this.scene.hurry();
       this.hub.emit('cell', said);
       this.heard.cell(said);

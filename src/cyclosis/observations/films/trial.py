@@ -27,7 +27,7 @@ KEPT = 0.8
 """Share of the measured samples that must be left with frames further apart."""
 STILL_FRAMES = 16
 """Frames from which on what stands still can be told from what moves slowly."""
-BETTER, FEW, ALIKE = 0.7, 10, 1.1
+BETTER, FEW, NO_WORSE = 0.7, 10, 1.1
 """Relative error, as a share of that with it, at which a short film is rid of what stands still.
 
 Its median has ghosts of what moves, which blur less from `FEW` frames on: there the last number counts.
@@ -56,7 +56,7 @@ def without_still(pictures: Fields, radius: int | None) -> Fields:
     if count >= STILL_FRAMES:
         return clear
     whole, moving = (_tried(each, Plan(radius or RADIUS)) for each in (pictures, clear))
-    limit = BETTER if count < FEW else ALIKE
+    limit = BETTER if count < FEW else NO_WORSE
     return clear if _unsure(moving) < limit * _unsure(whole) else pictures
 
 
