@@ -19,7 +19,15 @@ export class WorkerSocket implements Socket {
     this.engine = make();
     this.engine.onmessage = (event: MessageEvent) => this.onmessage?.call(this as never, event);
     this.engine.onerror = () => this.fail();
-    catalogue.then((about) => this.opened(about), () => this.fail());
+    catalogue.then((about) => this.begin(about), () => this.fail());
+  }
+
+  get opened(): boolean {
+    return this.readyState === OPEN;
+  }
+
+  get ended(): boolean {
+    return this.readyState === CLOSED;
   }
 
   send(text: string): void {
@@ -31,7 +39,7 @@ export class WorkerSocket implements Socket {
     this.engine.terminate();
   }
 
-  private opened(about: Catalogue): void {
+  private begin(about: Catalogue): void {
     if (this.readyState !== CONNECTING) return;
     this.readyState = OPEN;
     this.engine.postMessage(about);

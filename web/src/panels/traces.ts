@@ -4,34 +4,18 @@ import type { Hub } from './hub';
 import { h } from './dom';
 import { mathematics } from './mathematics';
 import { explain } from './explain';
+import { grouped } from './grouped';
 import { History } from './history';
 import { lineOf } from './lines';
 import { prose } from './prose';
 import { short } from './scales';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
-import { charted, type Chart } from './words';
+import { charted } from './words';
 import { isKey, said, say } from '../words/say';
 
-const SHARED: [RegExp, Chart][] = [
-  [/^mean_(P|vector)/, 'mean'],
-  [/^circulation/, 'rotation'],
-  [/power|dissipation/, 'power'],
-  [/^peak_speed/, 'peak'],
-  [/^order/, 'order'],
-];
 const FONT = '11px system-ui, sans-serif';
 /** Opacity of the area between a curve and zero, as the last two digits of a colour. */
 const WASH = '40';
-
-/** Which columns share a chart: components of one vector, and all powers. */
-export function grouped(traces: Trace[]): { chart: string; columns: number[] }[] {
-  const groups = new Map<string, number[]>();
-  traces.forEach(({ name }, k) => {
-    const chart = SHARED.find(([pattern]) => pattern.test(name))?.[1] ?? name;
-    groups.set(chart, [...(groups.get(chart) ?? []), k + 1]);
-  });
-  return [...groups].map(([chart, columns]) => ({ chart, columns }));
-}
 
 /** A symbol without the brackets of its mean, which the title mentions. */
 const plain = (symbol: string): string => symbol.replace(/[<>⟨⟩]/g, '').replace('theta', 'θ');

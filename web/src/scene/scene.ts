@@ -6,6 +6,7 @@ import { Cylinder } from './cylinder';
 import { Fields } from './fields';
 import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
+import { place } from './place';
 import { inSoftware, Quality } from './quality';
 import { ScaleBar } from './scalebar';
 import { surfaceOf, type Surface } from './surface';
@@ -300,14 +301,5 @@ export class Scene {
     map.drawMoving(fields, control.mark, view.turn, this.defects);
     this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
     if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, this.quality.ratio);
-  }
-}
-
-/** Stack canvases so that they fill their host. */
-function place(host: HTMLElement, ...canvases: HTMLCanvasElement[]): void {
-  if (getComputedStyle(host).position === 'static') host.style.position = 'relative';
-  for (const canvas of canvases) {
-    Object.assign(canvas.style, { position: 'absolute', left: '0', top: '0', width: '100%', height: '100%' });
-    host.append(canvas);
   }
 }
