@@ -7,6 +7,7 @@ import { explain } from './explain';
 import { grouped } from './grouped';
 import { History } from './history';
 import { lineOf } from './lines';
+import { OnScreen } from './onscreen';
 import { prose } from './prose';
 import { short } from './scales';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
@@ -72,6 +73,7 @@ export function traces(hub: Hub): HTMLElement {
   const build = (): void => {
     for (const [host, plot] of hosts) {
       observer.unobserve(host);
+      sight.leave(host);
       plot.destroy();
     }
     hosts = [];
@@ -83,7 +85,10 @@ export function traces(hub: Hub): HTMLElement {
         columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
         () => [times(), ...columns.map((k) => (chart === 'peak' ? inUnits(rows.columns[k]!) : rows.columns[k]!))] as uPlot.AlignedData));
     section.replaceChildren(...charts, ...(model.straight ? [profile()] : []));
-    hosts.forEach(([host]) => observer.observe(host));
+    hosts.forEach(([host]) => {
+      observer.observe(host);
+      sight.watch(host);
+    });
   };
   const observer = new ResizeObserver((entries) => {
     for (const { target, contentRect } of entries) {
@@ -92,6 +97,7 @@ export function traces(hub: Hub): HTMLElement {
     }
   });
 
+  const sight = new OnScreen(() => redraw());
   // Ten times per second is enough for curves, and leaves time for the cell itself.
   let waiting = false;
   const redraw = (): void => {
@@ -99,7 +105,7 @@ export function traces(hub: Hub): HTMLElement {
     waiting = true;
     setTimeout(() => requestAnimationFrame(() => {
       waiting = false;
-      for (const [, plot, data] of hosts) plot.setData(data());
+      for (const [host, plot, data] of hosts) if (sight.has(host)) plot.setData(data());
     }), 100);
   };
   hub.on('cell', (cell) => {

@@ -1,11 +1,14 @@
 // The cylinder painted by the processor, pixel by pixel, as the shaders of `cylinder.ts` draw it: for the first picture,
-// and where WebGL is missing or too slow. It has no brush, no particles and no inside, and closed cells are not drawn.
+// and where WebGL is missing or too slow. It draws neither closed cells nor the inside.
 
 import type { Palette } from '../protocol';
 import { weight } from './contrast';
+import type { BrushMark } from './cylinder';
 import type { Fields } from './fields';
 import { Enlarger } from './interpolate';
 import { DirectionTable, paletteTable, rgb, solidColours, type Rgb } from './palette';
+import type { Particles } from './particles';
+import { strokeTrails, type Projection } from './strokes';
 import type { View } from './view';
 
 const TURN = 2 * Math.PI;
@@ -62,7 +65,43 @@ export class FlatCylinder {
       this.end(x, across, fields, view, ratio);
       [before, values] = [values, before];
     }
+    this.context.setTransform(1, 0, 0, 1, 0, 0);
     this.context.putImageData(this.image, 0, 0);
+  }
+
+  clear(): void {
+    const { canvas, context } = this;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, canvas.width, canvas.height);
+  }
+
+  /** Draw particles and the brush over the picture of the same view. */
+  drawMoving(particles: Particles, nth: number, mark: BrushMark, { surface }: Fields, view: View, ratio: number): void {
+    const { context } = this;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const { width, height, scale, turn, centre } = view;
+    const [cos, sin] = [Math.cos(view.tilt), Math.sin(view.tilt)];
+    const project: Projection = (theta, s, out) => {
+      const near = Math.cos(theta - turn);
+      out[0] = 0.5 * width + scale * Math.sin(theta - turn);
+      out[1] = 0.5 * height - scale * ((s - surface.half - centre) * cos - near * sin);
+      return near > 0 && s >= 0 && s <= surface.length;
+    };
+    strokeTrails(context, particles, nth, project);
+    if (!mark.shown) return;
+    const at: [number, number] = [0, 0];
+    let begun = false;
+    context.beginPath();
+    const edge = surface.edge([mark.theta, mark.z], mark.radius, 72);
+    for (const [theta, s] of [...edge, edge[0]]) {
+      const seen = project(theta, s, at);
+      if (seen && begun) context.lineTo(...at);
+      else if (seen) context.moveTo(...at);
+      begun = seen;
+    }
+    context.strokeStyle = 'rgba(255, 255, 255, 0.95)';
+    context.lineWidth = 1.5;
+    context.stroke();
   }
 
   private fit(width: number, height: number, { n_theta, n_z }: Fields): void {
