@@ -82,7 +82,7 @@ def opened(browser: Browser, address: str) -> Iterator[tuple[Page, CDPSession]]:
 
 
 def played(page: Page, seconds: float, tools: CDPSession | None = None) -> dict[str, float]:
-    """Play the cell; return pictures and time units per second, and what the page's thread did for a picture."""
+    """Play the cell; return pictures and time units a second, and what the page's thread did for each."""
 
     def told() -> dict[str, float]:
         found = dict(page.evaluate("window.cyclosis.statistics()"))
@@ -102,7 +102,7 @@ def played(page: Page, seconds: float, tools: CDPSession | None = None) -> dict[
 
 
 def slowed(browser: Browser, address: str, given: argparse.Namespace) -> dict[str, float]:
-    """Return milliseconds to the first picture and to the solid one, and how the cell plays, all made slower."""
+    """Return milliseconds to the first picture, and to WebGL's, and how the cell plays, made slower."""
     with opened(browser, address) as (page, tools):
         bytes_per_second = given.megabits * 1e6 / 8
         tools.send("Network.enable")

@@ -25,6 +25,7 @@ export class FlatCylinder {
   private readonly P_z = new Float32Array(FINE * FINE);
   private readonly contrast = new Float32Array(FINE * FINE);
   private readonly vector = [new Float32Array(FINE * FINE), new Float32Array(FINE * FINE)] as const;
+  private seen = '';
   private colours = new Uint8Array(0);
   private directions: DirectionTable | null = null;
   private zone: Rgb = [0, 0, 0];
@@ -36,17 +37,28 @@ export class FlatCylinder {
   }
 
   setPalette(palette: Palette): void {
+    this.seen = '';
     this.colours = paletteTable(palette, COLOURS);
     this.directions = palette.wheel && new DirectionTable(palette.wheel);
     this.zone = rgb(palette.zone);
   }
 
   setDark(dark: boolean): void {
+    this.seen = '';
     const { ink, paper, shade } = solidColours(dark);
     this.solid = { ink: rgb(ink), paper: rgb(paper), shade: rgb(shade) };
   }
 
-  draw(fields: Fields, mixing: number, view: View, ratio: number): void {
+  /** Show the fields from this view; `again` if they are to be painted anew even if the view is the same. */
+  draw(fields: Fields, mixing: number, view: View, ratio: number, again = true): void {
+    const seen = [view.width, view.height, view.scale, view.turn, view.tilt, view.centre, ratio].join();
+    if (again || seen !== this.seen) this.paint(fields, mixing, view, ratio);
+    this.seen = seen;
+    this.context.setTransform(1, 0, 0, 1, 0, 0);
+    this.context.putImageData(this.image, 0, 0);
+  }
+
+  private paint(fields: Fields, mixing: number, view: View, ratio: number): void {
     const [width, height] = [Math.max(1, Math.round(view.width * ratio)), Math.max(1, Math.round(view.height * ratio))];
     this.fit(width, height, fields);
     this.pixels.fill(0);
@@ -65,8 +77,6 @@ export class FlatCylinder {
       this.end(x, across, fields, view, ratio);
       [before, values] = [values, before];
     }
-    this.context.setTransform(1, 0, 0, 1, 0, 0);
-    this.context.putImageData(this.image, 0, 0);
   }
 
   clear(): void {

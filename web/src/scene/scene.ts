@@ -330,7 +330,8 @@ export class Scene {
     const changed = mapped.version !== fields.version || mapped.mixing !== mixing;
     const { sight, options } = this;
     const mapSeen = everything || sight.has(options.map);
-    if (everything || this.stale || (changed && now - mapped.at >= MAP_EVERY)) {
+    const again = everything || this.stale || (changed && now - mapped.at >= MAP_EVERY);
+    if (again) {
       if (mapSeen) this.drawStill(now, mixing);
       this.mapped = { at: now, version: fields.version, mixing };
       this.stale = false;
@@ -342,7 +343,7 @@ export class Scene {
     this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
     if (!everything && !sight.has(options.cylinder)) return;
     if (flat && !fields.empty) {
-      flat.draw(fields, mixing, view, ratio);
+      flat.draw(fields, mixing, view, ratio, again);
       flat.drawMoving(this.particles, level.nth, control.mark, fields, view, ratio);
     } else if (flat) flat.clear();
     else if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, ratio);
