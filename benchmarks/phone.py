@@ -27,6 +27,11 @@ from explorer import ARGUMENTS, GPU, RENDERER, SOFTWARE
 
 SIZE = {"width": 390, "height": 844}
 PAINTED = "performance.getEntriesByName('first picture')[0]?.startTime ?? null"
+SEEN = """() => new Promise(done => {
+  const look = () => performance.getEntriesByName('first picture').length ||
+    window.cyclosis?.statistics().lastShown >= 0 ? done() : setTimeout(look, 30);
+  look();
+})"""
 FIRST = """() => new Promise(done => {
   const shown = () => window.cyclosis?.statistics().lastShown >= 0;
   const look = () => shown() ? done(performance.now()) : requestAnimationFrame(look);
@@ -34,12 +39,13 @@ FIRST = """() => new Promise(done => {
 })"""
 
 
-COSTS = ("ScriptDuration", "TaskDuration")
+COSTS = ("before", "ScriptDuration", "TaskDuration")
 PRINTED = {
     "first": ("first picture", "ms"),
     "solid": ("drawn with WebGL", "ms"),
     "pictures": ("pictures per second", ""),
     "units": ("time units per second", ""),
+    "before": ("thread before it", "ms"),
     "ScriptDuration": ("scripts for a picture", "ms"),
     "TaskDuration": ("thread for a picture", "ms"),
 }
@@ -81,23 +87,23 @@ def opened(browser: Browser, address: str) -> Iterator[tuple[Page, CDPSession]]:
     context.close()
 
 
+def told(page: Page, tools: CDPSession | None) -> dict[str, float]:
+    """Return what the page counts, and what the browser does."""
+    found = dict(page.evaluate("window.cyclosis?.statistics() ?? {}"))
+    if tools:
+        found |= {each["name"]: each["value"] for each in tools.send("Performance.getMetrics")["metrics"]}
+    return found
+
+
 def played(page: Page, seconds: float, tools: CDPSession | None = None) -> dict[str, float]:
     """Play the cell; return pictures and time units a second, and what the page's thread did for each."""
-
-    def told() -> dict[str, float]:
-        found = dict(page.evaluate("window.cyclosis.statistics()"))
-        if tools:
-            metrics = tools.send("Performance.getMetrics")["metrics"]
-            found |= {metric["name"]: metric["value"] for metric in metrics}
-        return found
-
     page.locator("#play").press("Enter")
     time.sleep(3.0)
-    before, began = told(), time.perf_counter()
+    before, began = told(page, tools), time.perf_counter()
     time.sleep(seconds)
-    after, spent = told(), time.perf_counter() - began
+    after, spent = told(page, tools), time.perf_counter() - began
     pictures = max(1, after["frames"] - before["frames"])
-    costs = {name: (after[name] - before[name]) / pictures for name in COSTS if tools}
+    costs = {name: (after[name] - before[name]) / pictures for name in COSTS[1:] if tools}
     return costs | {"pictures": pictures / spent, "units": (after["t"] - before["t"]) / spent}
 
 
@@ -115,17 +121,18 @@ def slowed(browser: Browser, address: str, given: argparse.Namespace) -> dict[st
 
 
 def cost(browser: Browser, address: str, given: argparse.Namespace) -> dict[str, float]:
-    """Return the processor time of the page's thread for one picture, at its own pace, times the slowness.
+    """Return the processor time of the page's thread up to the first picture and for each, times slowness.
 
-    It does not wait for what draws, so this is what limits a telephone whose GPU draws.
+    Neither contains what draws, so they are what limits a telephone whose GPU draws.
     """
     with opened(browser, address) as (page, tools):
         tools.send("Performance.enable", {"timeDomain": "threadTicks"})
         page.goto(address, wait_until="commit")
+        page.evaluate(SEEN)
+        before = told(page, tools)["TaskDuration"]
         page.evaluate(FIRST)
-        return {
-            name: 1e3 * given.slower * value for name, value in played(page, given.seconds, tools).items()
-        }
+        found = {"before": before} | played(page, given.seconds, tools)
+        return {name: 1e3 * given.slower * found[name] for name in COSTS}
 
 
 def main() -> None:
@@ -154,10 +161,7 @@ def main() -> None:
         print(f"drawn by              {blank.evaluate(RENDERER)}")
         blank.close()
         address = f"http://127.0.0.1:{server.server_port}/some/path/"
-        found = [
-            slowed(browser, address, given) | {name: cost(browser, address, given)[name] for name in COSTS}
-            for _ in range(given.rounds)
-        ]
+        found = [slowed(browser, address, given) | cost(browser, address, given) for _ in range(given.rounds)]
         for name, (words, unit) in PRINTED.items():
             values = [each[name] for each in found]
             print(f"{words:<22}{statistics.median(values):.1f} {unit} (best {BEST[unit](values):.1f})")

@@ -14,7 +14,7 @@ import { FirstPicture } from './picture';
 // first picture, before the larger part with WebGL, charts and panels is run.
 
 /** Milliseconds for which the larger part of the page waits for the first picture. */
-const PATIENCE = 2500;
+const PATIENCE = 4000;
 
 const app = document.getElementById('app')!;
 

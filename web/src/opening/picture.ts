@@ -18,38 +18,38 @@ export class FirstPicture {
 
   constructor(private readonly front: Front) {}
 
-  /** Paint it, unless the page draws already. Resolved when it can be seen. */
-  paint(frame: Frame): Promise<void> {
-    if (this.late) return Promise.resolve();
+  /** Paint it, unless the page draws already: the cylinder, and when that can be seen the map. */
+  async paint(frame: Frame): Promise<void> {
+    if (this.late) return;
     const { about, cylinder, map } = this.front;
     const palette = keptPalette(about.palettes);
     const surface = surfaceOf(null, frame.length);
     const fields = new Fields();
     fields.take(frame, surface, 0);
-    fields.blend(1);
-    const { ratio } = new Quality();
-
     const view = new View();
     view.surface = surface;
     view.width = Math.max(1, cylinder.clientWidth);
     view.height = Math.max(1, cylinder.clientHeight);
     const flat = new FlatCylinder(palette, isDark());
-    flat.draw(fields, 1, view, ratio);
+    flat.draw(fields, 1, view, 1); // few pixels, which are there soon
+    this.show(cylinder, flat.canvas);
+    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+    performance.mark('first picture');
+    if (this.late) return;
 
     const unwrapped = new UnwrappedMap(palette, new Particles(true, 0));
     unwrapped.units = new Units(about.scales);
-    place(cylinder, flat.canvas);
-    place(map, unwrapped.still);
-    unwrapped.fit(map.clientWidth, map.clientHeight, surface, ratio);
+    this.show(map, unwrapped.still);
+    unwrapped.fit(map.clientWidth, map.clientHeight, surface, new Quality().ratio);
+    fields.blend(1);
     unwrapped.layStreamlines(fields);
     unwrapped.drawStill(fields, 1);
+  }
 
-    this.canvases = [flat.canvas, unwrapped.still];
-    for (const canvas of this.canvases) canvas.setAttribute('aria-hidden', 'true');
-    return new Promise((done) => requestAnimationFrame(() => setTimeout(() => {
-      performance.mark('first picture');
-      done();
-    })));
+  private show(host: HTMLElement, canvas: HTMLCanvasElement): void {
+    canvas.setAttribute('aria-hidden', 'true');
+    place(host, canvas);
+    this.canvases.push(canvas);
   }
 
   /** The page draws now, over this. */

@@ -13,7 +13,8 @@ import type { View } from './view';
 
 const TURN = 2 * Math.PI;
 const COLOURS = 1024;
-const FINE = 256;
+/** Points of the enlarged fields, between which values are linear. */
+const FINE = 128;
 const OPAQUE = 255 << 24;
 
 export class FlatCylinder {
@@ -155,16 +156,24 @@ export class FlatCylinder {
       const b = v - low;
       const above = FINE * ((low + FINE) % FINE);
       const below = FINE * ((low + 1 + FINE) % FINE);
-      const between = (field: Float32Array): number =>
-        (1 - b) * (field[above + left] + a * (field[above + right] - field[above + left])) + b * (field[below + left] + a * (field[below + right] - field[below + left]));
-      const P = (values[y] = between(P_z));
+      const p = above + left, q = above + right, r = below + left, t = below + right;
+      const wp = (1 - b) * (1 - a), wq = (1 - b) * a, wr = b * (1 - a), wt = b * a;
+      const P = (values[y] = wp * P_z[p] + wq * P_z[q] + wr * P_z[r] + wt * P_z[t]);
       let red: number, green: number, blue: number;
       if (directions) {
-        const colour = directions.of(between(vector[0]), between(vector[1]));
-        [red, green, blue] = [colour & 255, (colour >> 8) & 255, (colour >> 16) & 255];
+        const [one, other] = vector;
+        const colour = directions.of(
+          wp * one[p] + wq * one[q] + wr * one[r] + wt * one[t],
+          wp * other[p] + wq * other[q] + wr * other[r] + wt * other[t],
+        );
+        red = colour & 255;
+        green = (colour >> 8) & 255;
+        blue = (colour >> 16) & 255;
       } else {
         const k = 4 * Math.min(COLOURS - 1, Math.max(0, (0.5 * (COLOURS - 1) * (1 + P) + 0.5) | 0));
-        [red, green, blue] = [colours[k], colours[k + 1], colours[k + 2]];
+        red = colours[k];
+        green = colours[k + 1];
+        blue = colours[k + 2];
       }
       red = red * light + gloss;
       green = green * light + gloss;
@@ -174,7 +183,7 @@ export class FlatCylinder {
       const aside = before ? P - before[y] : 0;
       const distance = Math.abs(P) / (Math.sqrt(along * along + aside * aside) + 1e-7);
       if (distance < thick + 0.6) {
-        const line = (1 - smoothstep(thick - 0.6, thick + 0.6, distance)) * weight(between(contrast));
+        const line = (1 - smoothstep(thick - 0.6, thick + 0.6, distance)) * weight(wp * contrast[p] + wq * contrast[q] + wr * contrast[r] + wt * contrast[t]);
         red += line * (zone[0] * lineLight - red);
         green += line * (zone[1] * lineLight - green);
         blue += line * (zone[2] * lineLight - blue);
