@@ -1,4 +1,4 @@
-"""Transport at large Péclet numbers, and stripes with narrow zones and drag: laws without fitted constants."""
+"""Transport at large Péclet numbers, and stripes with drag: laws without fitted constants."""
 
 from functools import cache
 
@@ -88,7 +88,7 @@ def tails(mu, beta):
 
 @pytest.mark.slow
 def test_the_law_of_fronts_with_the_drag_of_the_vacuole():
-    """α_u* rises by 1/tails, about 1 + β/2, where zones are narrow; the error goes with their width squared."""
+    """α_u* rises by 1/tails, about 1 + β/2; the error goes with the square of the width of zones."""
     assert [1 / tails(0.05, beta) for beta in (0.007, 0.1, 0.3)] == pytest.approx(
         [1.00375, 1.05552, 1.17700], abs=5e-6
     )
