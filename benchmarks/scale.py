@@ -1,6 +1,6 @@
 """What large tasks would cost, from small ones: kinetic sweeps, transport at high Pe, fits of films.
 
-    python benchmarks/scale.py kinetic      # processor time, memory and bytes of a member; a minute
+    python benchmarks/scale.py kinetic      # processor time and memory of a member; a minute
     python benchmarks/scale.py transport    # which Péclet numbers the vacuole's solvers resolve; some minutes
     python benchmarks/scale.py fits         # processor time and memory of a fit by `equation`; a minute
 
@@ -15,9 +15,7 @@ import json
 import resource
 import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,7 +25,6 @@ import cyclosis as cy
 CELLS = {"ring": (36, 1, 40), "whole cell": (32, 32, 48)}
 """Points around and along, and modes, of the kinetic members of the experiment closure."""
 T_END = 20.0
-LANES = (1, 5)
 
 
 def spent(call: Any) -> tuple[float, Any]:
@@ -63,41 +60,15 @@ def members(cell: str, lanes: int) -> None:
     print(json.dumps([first, again / lanes, 1e3 * again / work, peak() - loaded]))
 
 
-def stored(cell: str, fields: bool) -> float:
-    """Return the bytes a member in the store of a sweep of twenty."""
-    n_theta, n_z, modes = CELLS[cell]
-    sweep = cy.Sweep.from_tables(
-        {
-            "model": {"kind": "kinetic", "modes": modes},
-            "grid": {"n_theta": n_theta, "n_z": n_z},
-            "axes": {"alpha_u": {"values": [0.5]}},
-            "ensemble": {"seeds": 20},
-            "run": {"t_end": 0.1, "finish": "t_end", "rtol": 1e-3},
-            "record": {"fields": fields},
-        }
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        cy.run_sweep(sweep, Path(folder) / "store", workers=1, progress=False)
-        files = [path for path in Path(folder).rglob("*") if path.is_file() and path.suffix != ".json"]
-        return max(path.stat().st_size for path in files) / 20
-
-
 def kinetic() -> None:
     print("| member | lanes | first batch, s | a member, s | a right-hand side, ms | memory above, MiB |")
     print("|---|---:|---:|---:|---:|---:|")
-    for cell in CELLS:
-        for lanes in LANES:
-            command = [sys.executable, __file__, "members", "--cell", cell, "--lanes", str(lanes)]
-            out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-            first, each, evaluation, memory = json.loads(out.splitlines()[-1])
-            print(
-                f"| {cell}, to t = {T_END:g} | {lanes} | {first:.1f} | {each:.2f} | {evaluation:.2f} | "
-                f"{memory:.0f} |",
-                flush=True,
-            )
-    for cell in CELLS:
-        sizes = ", ".join(f"{stored(cell, fields) / 1e3:.1f} kB" for fields in (False, True))
-        print(f"{cell}, bytes a member in the store, without and with fields: {sizes}", flush=True)
+    for cell, lanes in (("ring", 1), ("ring", 10), ("whole cell", 1)):
+        command = [sys.executable, __file__, "members", "--cell", cell, "--lanes", str(lanes)]
+        out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        first, each, evaluation, memory = json.loads(out.splitlines()[-1])
+        told = f"{first:.1f} | {each:.2f} | {evaluation:.2f} | {memory:.0f}"
+        print(f"| {cell}, to t = {T_END:g} | {lanes} | {told} |", flush=True)
 
 
 def refused(call: Any) -> tuple[str, float]:
@@ -129,7 +100,9 @@ def transport() -> None:
     for name, call in kinds.items():
         cells = [refused(lambda pe=pe, call=call: call(pe)) for pe in PECLETS]
         print(f"| {name} | " + " | ".join(f"{told} ({s:.1f} s)" for told, s in cells) + " |", flush=True)
-    print("\n| in time, points | Pe | an R/U, s | shortest waves' share of <c²> at t = 5 | memory so far, MiB |")
+    print(
+        "\n| in time, points | Pe | an R/U, s | shortest waves' share of <c²> at t = 5 | memory so far, MiB |"
+    )
     print("|---|---:|---:|---:|---:|")
     for n, n_r in SIZES:
 
