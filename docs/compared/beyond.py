@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cyclosis.experiments import closure
-from cyclosis.experiments import vacuole_passive as passive
+from cyclosis.experiments import vacuole_passive_verdict as passive
 from cyclosis.experiments.statistics import in_words, proportion
 from cyclosis.models.closed.states import REGIMES as CLOSED
 

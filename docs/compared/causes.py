@@ -8,7 +8,7 @@ import numpy as np
 import xarray
 
 from cyclosis.experiments import closure, coalescence, ends_verdict
-from cyclosis.experiments import vacuole_passive as passive
+from cyclosis.experiments import vacuole_passive_verdict as passive
 from cyclosis.experiments.ablation import FATES
 from cyclosis.experiments.experiment import AGREES, DOES_NOT, IN_PART
 from cyclosis.models.closed.states import REGIMES as CLOSED

@@ -8,7 +8,7 @@ import numpy as np
 
 from cyclosis.analysis.regimes import REGIMES
 from cyclosis.experiments import closure, ends_verdict
-from cyclosis.experiments import vacuole_passive as passive
+from cyclosis.experiments import vacuole_passive_verdict as passive
 from cyclosis.experiments.experiment import AGREES
 from cyclosis.models.closed.states import REGIMES as CLOSED
 
