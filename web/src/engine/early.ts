@@ -9,6 +9,7 @@ type Heard = MessageEvent<ArrayBuffer | string>;
  * cell, and then said at once.
  */
 export class EarlySocket implements Socket {
+  readonly local = true;
   onopen: Socket['onopen'] = null;
   onclose: Socket['onclose'] = null;
   onmessage: Socket['onmessage'] = null;

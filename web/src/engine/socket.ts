@@ -8,6 +8,7 @@ const [CONNECTING, OPEN, CLOSED] = [0, 1, 3];
 
 /** The engine in the place of a server: to the page's connection a Web Worker looks like a WebSocket. */
 export class WorkerSocket implements Socket {
+  readonly local = true;
   readyState = CONNECTING;
   binaryType: BinaryType = 'arraybuffer';
   onopen: Socket['onopen'] = null;
