@@ -77,6 +77,22 @@ def test_several_frames_are_compared_with_time():
     assert found.rms_of_peak < 5e-3
 
 
+def test_speed_and_time_of_many_frames_far_apart_are_found_together():
+    """Half a cell while it orders, in seconds. A wrong pace, too, is a fixed point of its correction by U."""
+    params, grid = cy.Parameters(d_s=0.05), cy.CylinderGrid(24, 24)
+    run = cy.simulate(params, grid, cy.initial.disordered(grid, seed=0), t_end=8.0, save_every=0.5)
+    part = run.to_dataset()[["u"]].sel(time=np.arange(2.0, 8.1)).isel(theta=slice(7, 18))
+    for U in (0.02, 0.2, 7.0):
+        data = part.assign_coords(time=(part["time"] - 2.0) / U)
+        data["u"] = (U * data["u"]).assign_attrs(units="s-1")
+        found = cy.observations.compare(data, run)
+        assert found.time == 2.0
+        assert found.speed == pytest.approx(U, rel=1e-4)
+        assert found.rms_of_peak < 1e-3
+        assert not found.mirrored
+        assert found.other_mirror > 100
+
+
 def test_a_flipped_component_is_noticed():
     for flip, wrong in (((1.0, 1.0), False), ((1.0, -1.0), True), ((-1.0, 1.0), True)):
         made = seen(axis_deg=0.0, centre_px=(60.0, 240.0), flip=flip, noise=0.3)

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-MOST_PASSES = 12
-"""Times that the pace of several frames is corrected."""
+PACE_STEP = 0.06
+"""Relative distance of the speeds that are tried for several frames, whose time passes as they tell."""
+MOST_STEPS = 6
+"""How many of them on either side of what one frame tells."""
 LEAST_POINTS = 20
 """Measured values that a comparison needs."""
 
@@ -211,30 +213,68 @@ def _best(
     starts = (
         flow.times if time is None else np.array([number("time", time, *flow.span, "use a time of the run")])
     )
-    pace = 1.0 if speed is None else speed
-    best, found = (np.inf, 0.0, np.zeros(2)), pace
-    for _ in range(MOST_PASSES if speed is None and later.size > 1 else 1):
-        best = (np.inf, 0.0, np.zeros(2))
-        for t0 in starts:
-            frames = flow.at(t0 + later * pace, mirror)
-            cost, turn, shift, U = flow.coarse(frames, u, weights, theta, z, speed)
-            if cost < best[0]:
-                best, found = (cost, float(t0), np.array([turn, shift])), U
-        if abs(found / pace - 1) < 1e-4:
-            break
-        pace = found  # the speed tells how fast the run's time passes
-    frames = flow.at(best[1] + later * pace, mirror)
+    several = speed is None and later.size > 1
+    unknown = (flow, starts, u, weights, theta, z)
+    tried = _paces(*unknown, mirror) if several else [speed or 1.0]
+    best, pace = (np.inf, 0.0, np.zeros(2)), tried[0]
+    for trial in tried:
+        found = _coarse(*unknown, later * trial, trial if several else speed, mirror)
+        if found[0] < best[0]:
+            best, pace = found[:3], trial
+
+    def frames_at(place: Array) -> tuple[Array, float | None]:
+        """Return the run's frames, and the speed that tells both how fast they flow and how time passes."""
+        told = pace * float(np.exp(place[2])) if several else pace
+        return flow.at(best[1] + later * told, mirror), told if several else speed
 
     def cost_at(place: Array) -> float:
-        return flow.fitted(frames, place, u, weights, theta, z, speed)[0]
+        frames, U = frames_at(place)
+        return flow.fitted(frames, place, u, weights, theta, z, U)[0]
 
-    step = np.array([[0.0, 0.0], [2 * np.pi / flow.shape[0], 0.0], [0.0, flow.length / flow.shape[1]]])
+    first = np.append(best[2], [0.0] * several)
+    steps = np.diag([2 * np.pi / flow.shape[0], flow.length / flow.shape[1], *[0.5 * PACE_STEP] * several])
+    simplex = first + 0.5 * np.vstack([np.zeros(first.size), steps])
     options = {"xatol": 1e-7, "fatol": 1e-12 * float((weights * u**2).sum()), "maxiter": 400}
-    done = minimize(
-        cost_at, best[2], method="Nelder-Mead", options=options | {"initial_simplex": best[2] + 0.5 * step}
-    )
-    cost, U, model = flow.fitted(frames, done.x, u, weights, theta, z, speed)
-    return cost, best[1], done.x, U, model
+    done = minimize(cost_at, first, method="Nelder-Mead", options=options | {"initial_simplex": simplex})
+    frames, told = frames_at(done.x)
+    cost, U, model = flow.fitted(frames, done.x, u, weights, theta, z, told)
+    return cost, best[1], done.x[:2], U, model
+
+
+def _paces(
+    flow: ModelFlow, starts: Array, u: Array, weights: Array, theta: Array, z: Array, mirror: bool
+) -> list[float]:
+    """Return speeds to try: those that the first, strongest and last frame tell alone, and near ones."""
+    strongest = int((weights * u**2).sum(axis=(1, 2, 3)).argmax())
+    paces: list[float] = []
+    for k in sorted({0, strongest, u.shape[0] - 1}):
+        one, when = slice(k, k + 1), flow.times if k else starts
+        if not weights[one].any():
+            continue
+        told = _coarse(flow, when, u[one], weights[one], theta, z, np.zeros(1), None, mirror)[3]
+        near = told * np.exp(PACE_STEP * np.arange(-MOST_STEPS, MOST_STEPS + 1))
+        paces += [float(p) for p in near if all(abs(np.log(p / q)) > 0.5 * PACE_STEP for q in paces)]
+    return paces or [1.0]
+
+
+def _coarse(
+    flow: ModelFlow,
+    starts: Array,
+    u: Array,
+    weights: Array,
+    theta: Array,
+    z: Array,
+    later: Array,
+    speed: float | None,
+    mirror: bool,
+) -> tuple[float, float, Array, float]:
+    """Return the cost, the time, (rotation, shift) and U of the best fit by times and grid points."""
+    best = (np.inf, 0.0, np.zeros(2), 1.0)
+    for t0 in starts:
+        cost, turn, shift, U = flow.coarse(flow.at(t0 + later, mirror), u, weights, theta, z, speed)
+        if cost < best[0]:
+            best = (cost, float(t0), np.array([turn, shift]), U)
+    return best
 
 
 def _dataset(data: Any, u: Array, model: Array, residual: Array, in_noise: bool) -> Any:
