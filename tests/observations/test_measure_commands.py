@@ -1,5 +1,7 @@
 """cyclosis measure and cyclosis compare."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray
@@ -42,6 +44,28 @@ def test_what_is_missing_is_asked_for():
         assert word in err
     assert "SystemExit" not in said("measure", "nowhere.txt")[2]
     assert said("measure", RAW, *UNITS, *CELL, "--out", "cell.txt")[0] == 2
+
+
+def test_all_that_is_missing_is_asked_for_at_once():
+    assert "--y up and --speed UNIT." in said("measure", RAW)[2]
+    err = said("measure", RAW, *UNITS, "--out", "cell.nc")[2]
+    assert all(option in err for option in ("--radius-um or --radius-px", "--axis DEGREES", "--centre X,Y"))
+    assert "*.txt" in said("measure", RAW.parent)[2]
+
+
+def test_a_pattern_is_expanded_where_the_shell_did_not(tmp_path):
+    for k in (2, 1):
+        (tmp_path / f"field_{k}.txt").write_bytes(RAW.read_bytes())
+    code, out, _ = said("measure", "field_*.txt", *UNITS, "--every-s", "1")
+    assert code == 0
+    assert "field_1.txt, field_2.txt" in out
+    assert said("measure", "nothing_*.txt", *UNITS)[0] == 2
+
+
+def test_the_largest_speed_is_told_in_micrometres_a_second():
+    out = said("measure", RAW, *UNITS, *CELL)[1]
+    radii, um = (float(word) for word in re.search(r"speed (\S+) R/s, (\S+) um/s", out).groups())
+    assert um == pytest.approx(500 * radii, rel=5e-3)
 
 
 @pytest.mark.slow

@@ -71,6 +71,7 @@ def explore(
 
         size = write(static, scales=scales or None)
         print(f"{static}: {size / 1e6:.1f} MB for any web server; the page needs no Python", flush=True)
+        print(f"try it: python -m http.server --directory {static}, then http://localhost:8000", flush=True)
         return
 
     def ready(port: int) -> None:

@@ -24,6 +24,7 @@ def reading(
     from ..observations.films.reading import is_film
     from ..progress import Bar
 
+    files = [found for file in files for found in _expanded(file)]
     both, said, of_film = ({k: v for k, v in each.items() if v is not None} for each in (both, said, of_film))
     filmed = format == "film" or (format is None and is_film(files[0]))
     other, what = (said, "a film") if filmed else (of_film, "files of vectors, tracks or angles")
@@ -40,6 +41,13 @@ def reading(
     steady = not of_film.pop("keep_drift", False)
     with Bar("velocities", hidden=quiet) as bar:
         return film(files[0], **both, **of_film, steady_stage=steady, progress=bar)
+
+
+def _expanded(file: Path) -> list[Path]:
+    """Return the files of a pattern such as *.txt, in order, which not every shell expands."""
+    if not any(c in file.name for c in "*?") or file.exists():
+        return [file]
+    return sorted(file.parent.glob(file.name)) or [file]
 
 
 def on_surface(
@@ -82,7 +90,8 @@ def say(seen: Observation, data: Any) -> None:
     if name == "u":
         largest = np.sqrt((data["u"].fillna(0.0) ** 2).sum("component")).max().item()
         unit = {"1": "U", "s-1": "R/s"}.get(data["u"].attrs["units"], "R/frame")
-        print(f"Largest speed {largest:.4g} {unit}.")
+        um = data.attrs.get("speed_unit_um_per_s")
+        print(f"Largest speed {largest:.4g} {unit}" + ("." if um is None else f", {largest * um:.3g} um/s."))
     if data.attrs.get("warnings"):
         print(f"Warning: {data.attrs['warnings']}.")
 

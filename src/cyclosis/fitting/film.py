@@ -199,9 +199,9 @@ def _divided(name: str, values: Array, unit: str, scales: Scales | None) -> Arra
         return values * factor
     if scales is None:
         rule = "given with the scales of the cell"
-        raise InputError(
-            f"units of {name}", unit, rule, "add scales=cyclosis.Scales(radius_um, speed_um_per_s)"
-        )
+        remedy = "add scales=cyclosis.Scales(radius_um, speed_um_per_s)"
+        command = "give --radius-um R and --speed-um-s U, as `cyclosis compare` finds it"
+        raise InputError(f"units of {name}", unit, rule, remedy, command)
     return values * (factor / float(getattr(scales, _SCALE[name])))
 
 

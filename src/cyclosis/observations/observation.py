@@ -169,18 +169,28 @@ class Observation:
                 raise InputError("radius_um", radius_um, rule, "give pixel_um, or radius_px alone")
             most = "give the radius in micrometres"
             radius_px = number("radius_um", radius_um, 1e-9, 1e12, most) / self.pixel_um
+        missing = [
+            option
+            for option, value in (
+                ("--radius-um or --radius-px", radius_px),
+                ("--axis DEGREES", axis_deg),
+                ("--centre X,Y", centre_px),
+            )
+            if value is None
+        ]
+        command = "give " + ", and ".join(missing)
         if radius_px is None:
             rule, remedy = (
                 "given: vectors do not tell it",
                 "measure it, or use cyclosis.observations.rim(image)",
             )
-            raise InputError("radius_px", None, rule, remedy, "give --radius-um or --radius-px")
+            raise InputError("radius_px", None, rule, remedy, command)
         if centre_px is None:
             rule, remedy = "given: a point (x, y) on the axis, in pixels, y down", "measure it in the image"
-            raise InputError("centre_px", None, rule, remedy, "give --centre X,Y")
+            raise InputError("centre_px", None, rule, remedy, command)
         if axis_deg is None:
             rule = "given: the direction of +z in the image, in degrees counter-clockwise from the right"
-            raise InputError("axis_deg", None, rule, "measure it in the image", "give --axis DEGREES")
+            raise InputError("axis_deg", None, rule, "measure it in the image", command)
         seen = flag("mirrored", mirrored) if mirrored is not None else False
         camera = View(radius_px, axis_deg, centre_px, facing, seen)
         said = "no mirror on the way was assumed (mirrored=False); it decides the handedness of helices"

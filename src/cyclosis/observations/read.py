@@ -161,7 +161,8 @@ class _Settled:
         if self.direction is None:
             rule = '"down" or "up": the direction in which y and v increase, which the file does not say'
             remedy = "say which; in an image as it is stored y increases downwards"
-            raise InputError("y", None, rule, remedy, "give --y down or --y up")
+            also = " and --speed UNIT" if content.kind == VELOCITY and not (speed or content.speed) else ""
+            raise InputError("y", None, rule, remedy, f"give --y down or --y up{also}")
         self.speed, self.length = self._units(content, speed, length)
         self.time_unit = "frame" if cal.frame_s is None else "s"
         self.position = cal.pixels("length", self.length)

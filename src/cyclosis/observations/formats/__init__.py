@@ -60,7 +60,7 @@ def content_of(path: str | os.PathLike[str], asked: Asked) -> Content:
 def _bytes(place: Path) -> bytes:
     try:
         if place.is_dir():
-            raise unreadable(place, "a file", "give the files in the folder")
+            raise unreadable(place, "a file", f"give the files in it, as {place}/*.txt")
         if place.stat().st_size > MOST_BYTES:
             raise unreadable(place, "at most 4 GiB", "split it")
         raw = place.read_bytes()
