@@ -31,7 +31,8 @@ class LaneState(NamedTuple):
     """The progress of a member in a lane.
 
     `t` is the time reached, `waits` whether the next step would pass the end, `failed` whether no step was
-    short enough, `peak` the largest |P| so far; `signs` are those of its model.
+    short enough, `peak` the largest |P| so far; `signs` are those of its model. `level` says with how many
+    axial points it goes on, see `axial_lanes`.
     """
 
     t: Any
@@ -39,6 +40,7 @@ class LaneState(NamedTuple):
     failed: Any
     peak: Any
     signs: Any
+    level: Any
 
 
 @jax.jit
@@ -67,11 +69,22 @@ def run_lanes(
 
     def one(values: Any, now: StepperState) -> tuple[StepperState, LaneState]:
         system = how.with_values(systems, values)
-        now = jax.lax.fori_loop(0, CHECK_STEPS, lambda _, at: _try(system, control, table, at, t_end), now)
-        seen = how.signs(system, now.spectrum)
-        return now, LaneState(now.t, _waits(now, t_end), now.failed, now.peak, seen)
+
+        def step(_: Any, at: StepperState) -> StepperState:
+            return try_step(system, control, table, at, t_end)
+
+        now = jax.lax.fori_loop(
+            0, CHECK_STEPS, lambda _, at: try_step(system, control, table, at, t_end), now
+        )
+        return now, lane_state(system, now, t_end, how)
 
     return jax.vmap(one)(how.values(systems), lanes)
+
+
+def lane_state(system: System, now: StepperState, t_end: Any, how: Lanes) -> LaneState:
+    """Return what is seen of a member (traceable)."""
+    signs = how.signs(system, now.spectrum)
+    return LaneState(now.t, _waits(now, t_end), now.failed, now.peak, signs, jnp.asarray(0))
 
 
 def _waits(now: StepperState, t_end: Any) -> Any:
@@ -82,7 +95,8 @@ def _next(now: StepperState) -> Any:
     return length(jnp.clip(now.rung, LOWEST, HIGHEST))
 
 
-def _try(system: System, control: Control, table: Tableau, now: StepperState, t_end: Any) -> StepperState:
+def try_step(system: System, control: Control, table: Tableau, now: StepperState, t_end: Any) -> StepperState:
+    """Try one step of the member's rung, unless it waits or has failed (traceable)."""
     h = _next(now)
     rung = jnp.clip(now.rung, LOWEST, HIGHEST)
     coefficients = Tableau(*(values[rung - LOWEST] for values in table))
