@@ -35,7 +35,7 @@ def widths(monkeypatch):
         seen.append(lanes.t.size)
         return run_lanes(systems, control, table, lanes, t_end, how=how)
 
-    monkeypatch.setattr("cyclosis.ensemble.pool.run_lanes", counted)
+    monkeypatch.setattr("cyclosis.ensemble.run.run_lanes", counted)
     return seen
 
 

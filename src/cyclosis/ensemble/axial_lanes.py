@@ -1,80 +1,102 @@
-"""Lanes whose members need only some of their axial points: steps that the points hold, how many suffice.
+"""A lane whose members have only as many axial points as they need.
 
-A member goes on with fewer points (`Lanes.axial`) when its axial tail on them is below `ENOUGH` of `rtol`,
-the error that a step may make, and with more when a step would leave a tail above `rtol` itself: that step is
-not taken. What the points leave out, or fold back onto resolved waves, is then about a tenth of `rtol`.
+A member goes on with fewer points (see `AxialPoints`) when its axial tail on them is below `ENOUGH` of
+`rtol`, the error that a step may make, and with more when a step would leave a tail above `rtol` itself: that
+step is not taken. What the points leave out, or fold back onto resolved waves, is then about a tenth of `rtol`.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
-from ..contract.members import Lanes
+from ..contract.members import AxialPoints, Lanes
+from ..contract.model import Problem
 from ..contract.system import System
 from ..dynamics.advance import Control, StepperState
 from ..dynamics.steppers import Tableau
-from .lanes import CHECK_STEPS, LaneState, lane_state, try_step
+from .lanes import CHECK_STEPS, LaneState, lane_state, tables, try_step
 
 ENOUGH = 0.3
 """Axial tail, in units of `rtol`, below which fewer points are enough: well below the limit, so that a member
 does not go to and fro."""
 
 
-@partial(jax.jit, static_argnames=("how", "n"))
-def fitted(system: System, now: StepperState, *, how: Lanes, n: int) -> StepperState:
-    """Return the progress of a member on n axial points, those of `system`."""
-    assert how.axial is not None
-    spectrum = how.axial.fitted(now.spectrum, n)
-    nonlinear = system.nonlinear(system.at(spectrum, now.t))
-    return now._replace(spectrum=spectrum, nonlinear=nonlinear, evaluations=now.evaluations + 1)
+class Level(NamedTuple):
+    """A number of axial points: the system on it, and the coefficients of every rung."""
+
+    system: Any
+    table: Tableau
 
 
-@partial(jax.jit, static_argnames=("how", "points", "level"), donate_argnames="lanes")
-def run_axial_lanes(
-    systems: System,
+def levels(problem: Problem, axial: AxialPoints) -> tuple[Level, ...]:
+    """Return the `Level` of each number of axial points that may be used, from all of them to the fewest."""
+    grid = problem.grid
+    grids = (grid, *(grid.resized(grid.n_theta, n) for n in axial.fewer(grid)))
+    problems = (replace(problem, grid=on) for on in grids)
+    systems = [jax.device_put(problem.model.system(own, True)) for own in problems]
+    return tuple(Level(system, tables(system)) for system in systems)
+
+
+@partial(jax.jit, static_argnames=("how", "points", "place"), donate_argnames="lanes")
+def run_axial_lane(
+    level: Level,
     whole: System,
+    values: Any,
     control: Control,
-    table: Tableau,
     lanes: StepperState,
+    changed: Any,
+    usable: Any,
     t_end: Any,
     *,
     how: Lanes,
     points: tuple[int, ...],
-    level: int,
+    place: int,
 ) -> tuple[StepperState, LaneState]:
-    """Try up to `CHECK_STEPS` steps in every lane, and return the progress of its member.
+    """Try up to `CHECK_STEPS` steps in the only lane, and return the progress of its member.
 
-    `points` are all numbers of axial points, from most to fewest; `systems` and `lanes` are on those of
-    `level`, `whole` is on all of them. A lane stops early at a step that its points do not hold. The signs
-    are those of the same state on all points.
+    `level` has the number of axial points at `place` in `points`, `whole` all of them; the member may go on to
+    those at the place `usable`. The lane stops early at a step that its points do not hold. Between two calls
+    all modes of the progress are kept; `changed` says that the last one was made on other points.
     """
     axial = how.axial
     assert axial is not None
+    n, system = points[place], how.with_values(level.system, jax.tree.map(_only, values))
+    now = jax.tree.map(_only, lanes)
+    spectrum = axial.fitted(now.spectrum, n)
+    nonlinear = jax.lax.cond(
+        changed,
+        lambda: system.nonlinear(system.at(spectrum, now.t)),
+        lambda: axial.fitted(now.nonlinear, n),
+    )
+    began = now._replace(spectrum=spectrum, nonlinear=nonlinear, evaluations=now.evaluations + changed)
 
-    def one(values: Any, now: StepperState) -> tuple[StepperState, LaneState]:
-        system = how.with_values(systems, values)
+    def goes_on(carry: tuple[StepperState, Any, Any]) -> Any:
+        return (carry[2] < CHECK_STEPS) & ~carry[1]
 
-        def goes_on(carry: tuple[StepperState, Any, Any]) -> Any:
-            return (carry[2] < CHECK_STEPS) & ~carry[1]
+    def body(carry: tuple[StepperState, Any, Any]) -> tuple[StepperState, Any, Any]:
+        now, _, tried = carry
+        new = try_step(system, control, level.table, now, t_end)
+        if place == 0:
+            return new, jnp.asarray(False), tried + 1
+        outgrown = axial.tail(new.spectrum, n) > control.rtol
+        before = now._replace(evaluations=new.evaluations)
+        return jax.tree.map(lambda a, b: jnp.where(outgrown, a, b), before, new), outgrown, tried + 1
 
-        def body(carry: tuple[StepperState, Any, Any]) -> tuple[StepperState, Any, Any]:
-            now, _, tried = carry
-            new = try_step(system, control, table, now, t_end)
-            outgrown = jnp.asarray(False)
-            if level > 0:
-                outgrown = axial.tail(new.spectrum, points[level]) > control.rtol
-                before = now._replace(evaluations=new.evaluations)
-                new = jax.tree.map(lambda a, b: jnp.where(outgrown, a, b), before, new)
-            return new, outgrown, tried + 1
+    end, outgrown, _ = jax.lax.while_loop(goes_on, body, (began, jnp.asarray(False), jnp.asarray(0)))
+    parts = (axial.fitted(modes, points[0]) for modes in (end.spectrum, end.nonlinear))
+    full = end._replace(**dict(zip(("spectrum", "nonlinear"), parts, strict=True)))
+    places = jnp.arange(len(points))
+    tails = jnp.stack([axial.tail(end.spectrum, n) for n in points])
+    enough = jnp.max(jnp.where((tails < ENOUGH * control.rtol) & (places <= usable), places, 0))
+    onward = jnp.where(outgrown, place - 1, jnp.maximum(place, enough))
+    seen = lane_state(how.with_values(whole, jax.tree.map(_only, values)), full, t_end, how, onward)
+    return jax.tree.map(lambda leaf: leaf[None], (full, seen))  # type: ignore[no-any-return]
 
-        now, outgrown, _ = jax.lax.while_loop(goes_on, body, (now, jnp.asarray(False), jnp.asarray(0)))
-        seen = lane_state(whole, now._replace(spectrum=axial.fitted(now.spectrum, points[0])), t_end, how)
-        tails = jnp.stack([axial.tail(now.spectrum, n) for n in points])
-        enough = jnp.sum((tails < ENOUGH * control.rtol)[level + 1 :])
-        return now, seen._replace(level=jnp.where(outgrown, level - 1, level + enough))
 
-    return jax.vmap(one)(how.values(systems), lanes)
+def _only(leaf: Any) -> Any:
+    return leaf[0]

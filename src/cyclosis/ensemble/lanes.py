@@ -31,8 +31,8 @@ class LaneState(NamedTuple):
     """The progress of a member in a lane.
 
     `t` is the time reached, `waits` whether the next step would pass the end, `failed` whether no step was
-    short enough, `peak` the largest |P| so far; `signs` are those of its model. `level` says with how many
-    axial points it goes on, see `axial_lanes`.
+    short enough, `peak` the largest |P| so far; `signs` are those of its model. `level` says how many axial
+    points it has, see `axial_lanes`.
     """
 
     t: Any
@@ -81,10 +81,10 @@ def run_lanes(
     return jax.vmap(one)(how.values(systems), lanes)
 
 
-def lane_state(system: System, now: StepperState, t_end: Any, how: Lanes) -> LaneState:
+def lane_state(system: System, now: StepperState, t_end: Any, how: Lanes, level: Any = 0) -> LaneState:
     """Return what is seen of a member (traceable)."""
     signs = how.signs(system, now.spectrum)
-    return LaneState(now.t, _waits(now, t_end), now.failed, now.peak, signs, jnp.asarray(0))
+    return LaneState(now.t, _waits(now, t_end), now.failed, now.peak, signs, jnp.asarray(level))
 
 
 def _waits(now: StepperState, t_end: Any) -> Any:
