@@ -39,17 +39,18 @@ def usable(params: Parameters, grid: CylinderGrid) -> int:
     return sum(_highest(n) >= q * grid.length / (2 * np.pi) for n in fewer_points(grid))
 
 
-def axial_tail(spectrum: jax.Array, n_z: int) -> jax.Array:
-    """Return the axial tail of a packed spectrum on n_z points, dimensionless (traceable).
+def axial_tails(spectrum: jax.Array, numbers: tuple[int, ...]) -> jax.Array:
+    """Return the axial tails of a packed spectrum on each of some numbers of points (traceable).
 
-    It is (Σ beyond / Σ all)^½ of |P_k|²; beyond are the waves along the cell above `TAIL_FRACTION` of the
-    highest that n_z points hold.
+    They are (Σ beyond / Σ all)^½ of |P_k|², dimensionless; beyond are the waves along the cell above
+    `TAIL_FRACTION` of the highest that so many points hold.
     """
     own = spectrum.shape[-1]
     energy = jnp.sum(spectrum.real**2 + spectrum.imag**2, axis=0)
     j = np.abs(np.rint(own * np.fft.fftfreq(own)))
-    beyond = jnp.sum(jnp.where(j > TAIL_FRACTION * _highest(n_z), energy, 0.0))
-    return jnp.sqrt(beyond / jnp.maximum(jnp.sum(energy), float(np.finfo(energy.dtype).tiny)))
+    beyond = np.stack([j > TAIL_FRACTION * _highest(n) for n in numbers])
+    tails = jnp.sum(jnp.where(beyond, energy, 0.0), axis=1)
+    return jnp.sqrt(tails / jnp.maximum(jnp.sum(energy), float(np.finfo(energy.dtype).tiny)))
 
 
 def _highest(n_z: int) -> int:

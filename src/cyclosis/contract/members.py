@@ -94,14 +94,14 @@ class AxialPoints:
 
     `fewer(grid)` returns the numbers of points that may be used instead of the grid's, from most to fewest,
     and `usable(params, grid)` how many of these. `fitted(modes, n)` puts the modes of a state on n points,
-    `tail(modes, n)` returns the share of its amplitude that n points hold badly or not at all. Both are
-    traceable.
+    `tails(modes, numbers)` returns the shares of its amplitude that so many points hold badly or not at all.
+    Both are traceable.
     """
 
     fewer: Callable[[Any], tuple[int, ...]]
     usable: Callable[[Any, Any], int]
     fitted: Callable[[Any, int], Any]
-    tail: Callable[[Any, int], Any]
+    tails: Callable[[Any, tuple[int, ...]], Any]
 
 
 @dataclass(frozen=True, eq=False)

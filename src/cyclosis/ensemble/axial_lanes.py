@@ -19,9 +19,11 @@ from ..contract.model import Problem
 from ..contract.system import System
 from ..dynamics.advance import Control, StepperState
 from ..dynamics.steppers import Tableau
-from .lanes import CHECK_STEPS, LaneState, lane_state, tables, try_step
+from .lanes import CHECK_STEPS, lane_state, tables, try_step
+from .packing import packed
 
-ENOUGH = 0.3
+MOST = 3.0
+ENOUGH = 1.0
 """Axial tail, in units of `rtol`, below which fewer points are enough: well below the limit, so that a member
 does not go to and fro."""
 
@@ -56,8 +58,8 @@ def run_axial_lane(
     how: Lanes,
     points: tuple[int, ...],
     place: int,
-) -> tuple[StepperState, LaneState]:
-    """Try up to `CHECK_STEPS` steps in the only lane, and return the progress of its member.
+) -> tuple[StepperState, jax.Array]:
+    """Try up to `CHECK_STEPS` steps in the only lane: return its progress, and a packed `LaneState`.
 
     `level` has the number of axial points at `place` in `points`, `whole` all of them; the member may go on to
     those at the place `usable`. The lane stops early at a step that its points do not hold. Between two calls
@@ -75,27 +77,30 @@ def run_axial_lane(
     )
     began = now._replace(spectrum=spectrum, nonlinear=nonlinear, evaluations=now.evaluations + changed)
 
+    places = jnp.arange(len(points))
+
     def goes_on(carry: tuple[StepperState, Any, Any]) -> Any:
-        return (carry[2] < CHECK_STEPS) & ~carry[1]
+        return (carry[2] < CHECK_STEPS) & (carry[1] == place)
 
     def body(carry: tuple[StepperState, Any, Any]) -> tuple[StepperState, Any, Any]:
         now, _, tried = carry
         new = try_step(system, control, level.table, now, t_end)
-        if place == 0:
-            return new, jnp.asarray(False), tried + 1
-        outgrown = axial.tail(new.spectrum, n) > control.rtol
-        before = now._replace(evaluations=new.evaluations)
-        return jax.tree.map(lambda a, b: jnp.where(outgrown, a, b), before, new), outgrown, tried + 1
+        tails = axial.tails(new.spectrum, points) / control.rtol
+        enough = (tails < ENOUGH) & (places > place) & (places <= usable)
+        onward = jnp.max(jnp.where(enough, places, place))
+        if place > 0:
+            outgrown = tails[place] > MOST
+            before = now._replace(evaluations=new.evaluations)
+            new = jax.tree.map(lambda a, b: jnp.where(outgrown, a, b), before, new)
+            onward = jnp.where(outgrown, place - 1, onward)
+        return new, onward, tried + 1
 
-    end, outgrown, _ = jax.lax.while_loop(goes_on, body, (began, jnp.asarray(False), jnp.asarray(0)))
+    begin = (began, jnp.full_like(places[0], place), jnp.zeros_like(places[0]))
+    end, onward, _ = jax.lax.while_loop(goes_on, body, begin)
     parts = (axial.fitted(modes, points[0]) for modes in (end.spectrum, end.nonlinear))
     full = end._replace(**dict(zip(("spectrum", "nonlinear"), parts, strict=True)))
-    places = jnp.arange(len(points))
-    tails = jnp.stack([axial.tail(end.spectrum, n) for n in points])
-    enough = jnp.max(jnp.where((tails < ENOUGH * control.rtol) & (places <= usable), places, 0))
-    onward = jnp.where(outgrown, place - 1, jnp.maximum(place, enough))
-    seen = lane_state(how.with_values(whole, jax.tree.map(_only, values)), full, t_end, how, onward)
-    return jax.tree.map(lambda leaf: leaf[None], (full, seen))  # type: ignore[no-any-return]
+    seen = lane_state(how.with_values(whole, jax.tree.map(_only, values)), full, t_end, onward, how=how)
+    return jax.tree.map(lambda leaf: leaf[None], (full, packed(seen)))
 
 
 def _only(leaf: Any) -> Any:

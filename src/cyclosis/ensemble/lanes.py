@@ -20,6 +20,7 @@ from ..contract.members import Lanes
 from ..contract.system import System
 from ..dynamics.advance import Control, StepperState, length, one_step
 from ..dynamics.steppers import Tableau, tableau
+from .packing import packed
 
 LOWEST, HIGHEST = -16, 10
 """Rungs that are tabulated: steps of 1/256 to 32. A member that needs shorter steps has diverged."""
@@ -60,14 +61,14 @@ def stacked(members: Sequence[Any]) -> Any:
 @partial(jax.jit, static_argnames="how", donate_argnames="lanes")
 def run_lanes(
     systems: System, control: Control, table: Tableau, lanes: StepperState, t_end: Any, *, how: Lanes
-) -> tuple[StepperState, LaneState]:
-    """Try `CHECK_STEPS` steps in every lane, and return the progress of its member.
+) -> tuple[StepperState, jax.Array]:
+    """Try `CHECK_STEPS` steps in every lane, and return the progress of its member, and a packed `LaneState`.
 
     The values of `systems` that differ and every leaf of `lanes` have a first dimension, the lanes;
     everything else is shared.
     """
 
-    def one(values: Any, now: StepperState) -> tuple[StepperState, LaneState]:
+    def one(values: Any, now: StepperState) -> tuple[StepperState, jax.Array]:
         system = how.with_values(systems, values)
 
         def step(_: Any, at: StepperState) -> StepperState:
@@ -76,12 +77,13 @@ def run_lanes(
         now = jax.lax.fori_loop(
             0, CHECK_STEPS, lambda _, at: try_step(system, control, table, at, t_end), now
         )
-        return now, lane_state(system, now, t_end, how)
+        return now, packed(lane_state(system, now, t_end, how=how))
 
     return jax.vmap(one)(how.values(systems), lanes)
 
 
-def lane_state(system: System, now: StepperState, t_end: Any, how: Lanes, level: Any = 0) -> LaneState:
+@partial(jax.jit, static_argnames="how")
+def lane_state(system: System, now: StepperState, t_end: Any, level: Any = 0, *, how: Lanes) -> LaneState:
     """Return what is seen of a member (traceable)."""
     signs = how.signs(system, now.spectrum)
     return LaneState(now.t, _waits(now, t_end), now.failed, now.peak, signs, jnp.asarray(level))

@@ -25,7 +25,7 @@ from ..model.errors import InputError
 from ..model.precision import double
 from ..model.reporting import Progress, counted, reported
 from .axial_lanes import levels, run_axial_lane
-from .lanes import LaneState, run_lanes, stacked, tables
+from .lanes import LaneState, lane_state, run_lanes, stacked, tables
 from .members import (
     DISORDERED,
     UNCERTIFIED,
@@ -36,6 +36,7 @@ from .members import (
     refuse_adaptive,
     uncertain,
 )
+from .packing import unpacked
 from .scheduled import follow_scheduled
 from .scheduled_lanes import ScheduledLanes
 
@@ -171,7 +172,7 @@ class _Pool:
             default_lanes(self.grid, how.precision), 2 ** (len(indices) - 1).bit_length()
         )
         self.device: System = jax.device_put(self.model.system(how.problem(first), True))
-        self.control = Control.of(how.rtol, how.atol, self.model.bound)
+        self.control: Control = jax.device_put(Control.of(how.rtol, how.atol, self.model.bound))
         self.table = tables(self.device)
         self.t_end = np.float64(how.t_end)
         self.axial = self.shares.axial if how.axial_resolution == "adaptive" else None
@@ -186,13 +187,14 @@ class _Pool:
         first = next(entry for entry in entries if entry is not None)
         values = stacked([(entry or first).values for entry in entries])
         batch = stacked([_idle(first.state) if entry is None else entry.state for entry in entries])
+        like = lane_state.eval_shape(self.device, first.state, self.t_end, how=self.shares)
         while any(seats):
             batch, states = self._steps(seats, values, batch)
-            seen = jax.device_get(states)
+            seen = np.asarray(states)
             for lane, seat in enumerate(seats):
                 if seat is None:
                     continue
-                now: LaneState = jax.tree.map(lambda item, lane=lane: item[lane], seen)
+                now: LaneState = unpacked(seen[lane], like)
                 verdict = self._look(seat, now)
                 if verdict is None and not now.failed and not now.waits:
                     continue
@@ -209,7 +211,7 @@ class _Pool:
 
     def _steps(
         self, seats: list[_Seat | None], values: Any, batch: StepperState
-    ) -> tuple[StepperState, LaneState]:
+    ) -> tuple[StepperState, jax.Array]:
         """Try some steps in every lane."""
         control, t_end, how = self.control, self.t_end, self.shares
         seat = seats[0]

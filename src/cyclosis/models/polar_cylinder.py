@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ..analysis import resolution
 from ..analysis.appearance import Look
-from ..analysis.axial_points import axial_tail, fewer_points, usable
+from ..analysis.axial_points import axial_tails, fewer_points, usable
 from ..analysis.diagnostics import QUANTITIES, measure
 from ..analysis.regimes import REGIMES, Regime, regime
 from ..analysis.signs import signs
@@ -145,7 +145,7 @@ polar = Model(
         values=lambda system: system.varying,
         with_values=System.with_varying,
         certain=_certain,
-        axial=AxialPoints(fewer_points, usable, on_axial_points, axial_tail),
+        axial=AxialPoints(fewer_points, usable, on_axial_points, axial_tails),
     ),
     starts=Starts(
         make=initial_state,
