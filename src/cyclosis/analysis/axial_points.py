@@ -14,7 +14,7 @@ from ..model.grid import CylinderGrid
 from ..model.parameters import Parameters
 from .diagnostics import TAIL_FRACTION
 
-SHARES = ((2, 3), (1, 2), (1, 3), (1, 4))
+SHARES = ((2, 3), (1, 2), (1, 4))
 """The shares of the grid's axial points that may be used."""
 FEWEST = 8
 """The smallest number of axial points that is used."""
@@ -36,7 +36,8 @@ def usable(params: Parameters, grid: CylinderGrid) -> int:
     if params.shape is not None or params.d_s <= 0:
         return 0
     q = np.sqrt(max(float(params.alpha_p - params.d_r), 0.0) / params.d_s)
-    return sum(_highest(n) >= q * grid.length / (2 * np.pi) for n in fewer_points(grid))
+    growing = float(q) * grid.length / (2 * np.pi)
+    return sum(_highest(n) >= growing for n in fewer_points(grid))
 
 
 def axial_tails(spectrum: jax.Array, numbers: tuple[int, ...]) -> jax.Array:
@@ -45,11 +46,11 @@ def axial_tails(spectrum: jax.Array, numbers: tuple[int, ...]) -> jax.Array:
     They are (Σ beyond / Σ all)^½ of |P_k|², dimensionless; beyond are the waves along the cell above
     `TAIL_FRACTION` of the highest that so many points hold.
     """
+    energy = spectrum.real**2 + spectrum.imag**2
     own = spectrum.shape[-1]
-    energy = jnp.sum(spectrum.real**2 + spectrum.imag**2, axis=0)
     j = np.abs(np.rint(own * np.fft.fftfreq(own)))
-    beyond = np.stack([j > TAIL_FRACTION * _highest(n) for n in numbers])
-    tails = jnp.sum(jnp.where(beyond, energy, 0.0), axis=1)
+    beyond = [j > TAIL_FRACTION * _highest(n) for n in numbers]
+    tails = jnp.stack([jnp.sum(jnp.where(waves, energy, 0.0)) for waves in beyond])
     return jnp.sqrt(tails / jnp.maximum(jnp.sum(energy), float(np.finfo(energy.dtype).tiny)))
 
 

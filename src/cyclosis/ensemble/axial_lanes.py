@@ -1,8 +1,8 @@
 """A lane whose members have only as many axial points as they need.
 
 A member goes on with fewer points (see `AxialPoints`) when its axial tail on them is below `ENOUGH` of
-`rtol`, the error that a step may make, and with more when a step would leave a tail above `rtol` itself: that
-step is not taken. What the points leave out, or fold back onto resolved waves, is then about a tenth of `rtol`.
+`rtol`, the error that a step may make, and with more when a step would leave a tail above `MOST` of it: that
+step is not taken.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from ..dynamics.steppers import Tableau
 from .lanes import CHECK_STEPS, lane_state, tables, try_step
 from .packing import packed
 
-MOST = 3.0
-ENOUGH = 1.0
-"""Axial tail, in units of `rtol`, below which fewer points are enough: well below the limit, so that a member
-does not go to and fro."""
+MOST, ENOUGH = 3.0, 1.0
+"""Axial tail, in units of `rtol`, above which more points are needed, and below which fewer are enough. Waves
+that the points leave out, or fold back onto others, have about a tenth of this amplitude."""
 
 
 class Level(NamedTuple):
@@ -61,9 +60,9 @@ def run_axial_lane(
 ) -> tuple[StepperState, jax.Array]:
     """Try up to `CHECK_STEPS` steps in the only lane: return its progress, and a packed `LaneState`.
 
-    `level` has the number of axial points at `place` in `points`, `whole` all of them; the member may go on to
-    those at the place `usable`. The lane stops early at a step that its points do not hold. Between two calls
-    all modes of the progress are kept; `changed` says that the last one was made on other points.
+    `level` has the number of axial points at `place` in `points`, `whole` all of them; the member may go on
+    to those at the place `usable`. The lane stops early at a step that its points do not hold. Between two
+    calls all modes of the progress are kept; `changed` says that the last one was made on other points.
     """
     axial = how.axial
     assert axial is not None
@@ -77,26 +76,28 @@ def run_axial_lane(
     )
     began = now._replace(spectrum=spectrum, nonlinear=nonlinear, evaluations=now.evaluations + changed)
 
-    places = jnp.arange(len(points))
+    def tail_on(at: int, spectrum: jax.Array) -> Any:
+        return axial.tails(spectrum, points[at : at + 1])[0] / control.rtol
 
     def goes_on(carry: tuple[StepperState, Any, Any]) -> Any:
-        return (carry[2] < CHECK_STEPS) & (carry[1] == place)
+        return (carry[2] < CHECK_STEPS) & ~carry[1]
 
     def body(carry: tuple[StepperState, Any, Any]) -> tuple[StepperState, Any, Any]:
         now, _, tried = carry
         new = try_step(system, control, level.table, now, t_end)
-        tails = axial.tails(new.spectrum, points) / control.rtol
-        enough = (tails < ENOUGH) & (places > place) & (places <= usable)
-        onward = jnp.max(jnp.where(enough, places, place))
-        if place > 0:
-            outgrown = tails[place] > MOST
-            before = now._replace(evaluations=new.evaluations)
-            new = jax.tree.map(lambda a, b: jnp.where(outgrown, a, b), before, new)
-            onward = jnp.where(outgrown, place - 1, onward)
-        return new, onward, tried + 1
+        if place == 0:
+            fewer_do = (usable > 0) & (tail_on(1, new.spectrum) < ENOUGH) if len(points) > 1 else False
+            return new, jnp.asarray(fewer_do), tried + 1
+        outgrown = tail_on(place, new.spectrum) > MOST
+        before = now._replace(evaluations=new.evaluations)
+        return jax.tree.map(lambda a, b: jnp.where(outgrown, a, b), before, new), outgrown, tried + 1
 
-    begin = (began, jnp.full_like(places[0], place), jnp.zeros_like(places[0]))
-    end, onward, _ = jax.lax.while_loop(goes_on, body, begin)
+    end, stopped, _ = jax.lax.while_loop(goes_on, body, (began, jnp.asarray(False), jnp.asarray(0)))
+    places = jnp.arange(len(points))
+    enough = (axial.tails(end.spectrum, points) / control.rtol < ENOUGH) & (places <= usable)
+    onward = jnp.max(jnp.where(enough & (places > place), places, place))
+    if place > 0:
+        onward = jnp.where(stopped, place - 1, onward)
     parts = (axial.fitted(modes, points[0]) for modes in (end.spectrum, end.nonlinear))
     full = end._replace(**dict(zip(("spectrum", "nonlinear"), parts, strict=True)))
     seen = lane_state(how.with_values(whole, jax.tree.map(_only, values)), full, t_end, onward, how=how)

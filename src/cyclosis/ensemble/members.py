@@ -73,7 +73,7 @@ class EnsembleSettings:
     """How members are integrated; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U).
 
     With `axial_resolution = "adaptive"` a member has at each time only as many points along the axis as its
-    waves along it need, at most n_z: see docs/numerics.md.
+    waves along it need, at most n_z, and one lane.
 
     Example:
         >>> import cyclosis as cy
@@ -98,6 +98,11 @@ class EnsembleSettings:
         choice("axial_resolution", self.axial_resolution, AXIAL_RESOLUTION)
         if self.lanes is not None:
             whole("lanes", self.lanes, 1, MAX_LANES, "leave it out to suit the device")
+        if self.axial_resolution == "adaptive":
+            if self.lanes not in (None, 1):
+                rule = "1 with adaptive axial resolution, where members have different numbers of points"
+                raise InputError("lanes", self.lanes, rule, "leave it out")
+            object.__setattr__(self, "lanes", 1)
         _ = self.run  # checks everything else
         if self.t_end == 0:
             raise InputError("t_end", self.t_end, "greater than 0", "raise it")

@@ -187,7 +187,8 @@ class _Pool:
         first = next(entry for entry in entries if entry is not None)
         values = stacked([(entry or first).values for entry in entries])
         batch = stacked([_idle(first.state) if entry is None else entry.state for entry in entries])
-        like = lane_state.eval_shape(self.device, first.state, self.t_end, how=self.shares)
+        shapes: Any = lane_state
+        like = shapes.eval_shape(self.device, first.state, self.t_end, how=self.shares)
         while any(seats):
             batch, states = self._steps(seats, values, batch)
             seen = np.asarray(states)
