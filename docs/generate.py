@@ -9,6 +9,7 @@ import ast
 import inspect
 import json
 import re
+import sys
 from collections.abc import Iterable
 from functools import partial
 from importlib import import_module
@@ -141,19 +142,9 @@ def _cell(text: str) -> str:
 
 def symbols() -> str:
     """Return the page of symbols and the names that they have in code."""
-    out = NOTE + "# Symbols and names\n\nThe symbols in formulas, and their names in code and files. "
-    out += "Ranges are in\n[settings](settings.md), and equations in [the model](model.md).\n"
-    out += "\n## Given\n\n| symbol | name | meaning | default |\n|---|---|---|---|\n"
-    for table, items in TABLES.items():
-        for item in items:
-            if item.symbol != "-":
-                shown = f"{_cell(item.symbol)} | `{item.name}` in [{table}]"
-                out += f"| {shown} | {_cell(item.meaning)} | {_default(item)} |\n"
-    out += "\n## Computed\n\n| symbol | name | meaning |\n|---|---|---|\n"
-    for item in QUANTITIES:
-        if item.symbol != "-":
-            out += f"| {_cell(item.symbol)} | `{item.name}` | {_cell(item.meaning)} |\n"
-    return out
+    if str(HERE) not in sys.path:
+        sys.path.insert(0, str(HERE))
+    return NOTE + str(import_module("symbol_table").page())
 
 
 def gallery() -> str:
