@@ -9,6 +9,7 @@ out; they are widened by sqrt(χ²/N) where that is above 1.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -19,13 +20,14 @@ from ..model.precision import double
 from .compared import fields, waves
 from .film import Film
 from .judged import loud, refusal
+from .marginal import integrated
 from .noise import noise_of
-from .prepared import COARSE, DT, QUICK, WIDTH, Match, begin, peak, prepared
+from .prepared import COARSE, DT, QUICK, Match, begin, peak, prepared
 from .result import ORDER, Fit, directions, masked, of_logarithms
-from .search import Found, search
+from .search import WIDTH, Found, Near, approached, ended
 from .windows import Window
 
-STAGES = 16
+STAGES = 32
 """Steps that a search usually takes, for the progress."""
 LEAST = 4
 """One frame less than the fewest."""
@@ -37,6 +39,12 @@ OPEN = 0.1
 """Gain still expected of one more step, beyond which a search has not ended."""
 CHANCE = 6.0
 """Standard deviations of χ²/N beyond which it is not chance."""
+LUCK = 4.0
+"""The same, beyond which a search is begun again."""
+STARTS = 6
+"""Most starts."""
+SAME = 3.0
+"""Difference of the logarithms of evidence below which two ends are taken to be one."""
 LOST = 0.5
 """Posterior deviation of a logarithm at which the prior, 1, decides."""
 ALIKE = "what neighbouring vectors share of their noise was taken into account: {0:.2g} of them count as one"
@@ -77,20 +85,69 @@ def _rms(variance: Array, film: Film) -> float:
     return float(np.sqrt(variance[..., film.known.any(axis=0)].mean()))
 
 
-def _searched(match: Match, film: Film, told: Callable[[], None]) -> tuple[Match, Found, float, float]:
-    """Return the film with its noise, the end of the search, χ²/N, and by what the noise was too large."""
-    assert film.u is not None
+@dataclass(frozen=True, eq=False)
+class End:
+    """The end of a search, χ²/N there, by what the noise was too large, and how many starts it took."""
+
+    match: Match
+    found: Found
+    ratio: float
+    over: float
+    starts: int
+
+
+def _searched(match: Match, film: Film, seed: int, told: Callable[[], None]) -> End:
+    """Return the end of the largest evidence among those of as many starts as are needed."""
+    near: list[tuple[Near, Match]] = []
+    ends: list[End] = []
+    for start in range(STARTS):
+        aged, y, sizes = begin(match, film, start, seed)
+        reached = approached(aged.problem(), y, sizes, told)
+        near.append((reached, aged))
+        if reached.fits:
+            ends.append(_ended(*near[-1], start + 1, told))
+            if _good(ends[-1]) or _alike(ends):
+                break
+    if not ends:
+        reached, aged = max(near, key=lambda each: (each[0].stages, -each[0].ratio))
+        sizes = aged.problem().sizes(reached.scale)
+        reached = approached(aged.problem(), reached.y, sizes, told, patient=True)
+        ends.append(_ended(reached, aged, STARTS, told))
+    best = max(ends, key=lambda end: end.found.evidence)
+    if best.ratio < SPARSE:
+        quiet, over = best.match.quieter(
+            best.found.left, _free(best.match, best.found) / best.found.left.size
+        )
+        found = best.found
+        found = ended(quiet.problem(), found.x, found.sizes, found.width, told)
+        best = replace(best, match=quiet, found=found, ratio=_ratio(quiet, found), over=over)
+    return replace(best, starts=max(end.starts for end in ends))
+
+
+def _ended(near: Near, match: Match, starts: int, told: Callable[[], None]) -> End:
     problem = match.problem()
-    # u is about |P|² P, and the film's first frames bound it from above with their noise.
-    rms = np.sqrt(2 * np.mean(film.u[:2][np.broadcast_to(film.known[:2, None], film.u[:2].shape)] ** 2))
-    size = float(np.clip(rms, 1e-6, 1.0) ** (1 / 3))
-    found = search(problem, begin(match, film, problem, size), np.full(2, size), WIDTH, told)
-    ratio = _ratio(match, found)
-    if ratio >= SPARSE:
-        return match, found, ratio, 1.0
-    match, over = match.quieter(found.left, _free(match, found) / found.left.size)
-    found = search(match.problem(), found.x, found.sizes, found.width, told, blurred=False)
-    return match, found, _ratio(match, found), over
+    sizes = problem.sizes(
+        near.scale * problem.first(np.append(near.y[: problem.logs], np.ones(problem.squares.size)))
+    )
+    found = ended(problem, problem.first(near.y), sizes, WIDTH, told)
+    return End(match, found, _ratio(match, found), 1.0, starts)
+
+
+def _good(end: End) -> bool:
+    """Return whether a search has ended and leaves no more than chance allows."""
+    return end.found.short < OPEN and end.ratio < 1 + LUCK * _chance(end.match, end.found)
+
+
+def _alike(ends: list[End]) -> bool:
+    """Return whether the last search has ended where another has."""
+    *others, last = (end.found for end in ends)
+    same = (abs(other.evidence - last.evidence) < SAME and other.short < OPEN for other in others)
+    return last.short < OPEN and any(same)
+
+
+def _chance(match: Match, found: Found) -> float:
+    """Return the standard deviation of χ²/N."""
+    return float(np.sqrt(2 * max(match.share.values()) / found.left.size))
 
 
 def _free(match: Match, found: Found) -> float:
@@ -123,11 +180,16 @@ def _fitted(
         if progress is not None:
             progress(min(done[0], STAGES), STAGES + 1)
 
-    match, found, ratio, over = _searched(match, film, told)
+    end = _searched(match, film, seed, told)
+    match, found, ratio, over = end.match, end.found, end.ratio, end.over
     alike = max(match.share.values())
+    if end.starts > 1:
+        notes = (*notes, f"the search was begun {end.starts} times, from other parameters and states")
+    if ratio < WRONG and found.short < OPEN:
+        found = integrated(match.problem(), found, told)
     if alike > 1.2:
         notes = (*notes, ALIKE.format(alike))
-    if ratio > 1 + CHANCE * np.sqrt(2 * alike / found.left.size):
+    if ratio > 1 + CHANCE * _chance(match, found):
         notes = (
             *notes,
             f"the best run leaves {np.sqrt(ratio):.3g} times the noise, more than chance allows: it is not "
