@@ -43,6 +43,9 @@ SEEN = 0.04, 0.08, 0.16, 0.02
 ACROSS, ALONG = 0.2, 1.6
 """rms of the components of P when u is seen, as shares of what u alone shows: repulsion has damped one, and
 streams against each other, or that diverge, do not show in u."""
+APART = 0.5
+"""Standard deviation by which later starts are shifted, as a share of the prior's. With less they end in the
+same basin as the first."""
 RIDGE = 0.05
 """Variance that is left of the first state where u is first seen."""
 SHARE = 24
@@ -285,8 +288,7 @@ def _seen_at(film: Film, share: float) -> int:
 def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array, Array]:
     """Return where one of several searches begins: the film from another age on, y there, and sizes of P.
 
-    |P|² P is about u where it was seen, and P is smooth elsewhere. The parameters of all starts but the first
-    are drawn from their prior.
+    |P|² P is about u where it was seen, and P is smooth elsewhere. All starts but the first are shifted by chance.
     """
     assert film.u is not None
     at = _seen_at(film, SEEN[start % len(SEEN)])
@@ -311,10 +313,10 @@ def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array
     left = _real_waves(film.theta, orders[0])
     right = _real_waves(2 * np.pi / match.layout.grid.length * film.z, orders[1])
     design = (left[:, None, arrays.kept[0]] * right[None, :, arrays.kept[1]])[seen]
-    y = [problem.begin]
-    if start:
-        y = [problem.begin + NARROW * np.random.default_rng([seed, start]).normal(size=problem.logs)]
-    for scale, along in zip(np.split(problem.scale(sizes, WIDTH)[problem.logs :], 2), P, strict=True):
+    y, prior = [problem.begin], problem.scale(sizes, WIDTH)
+    prior[: problem.logs] = NARROW
+    for scale, along in zip(np.split(prior[problem.logs :], 2), P, strict=True):
         waves = design * scale
         y.append(scale * np.linalg.solve(waves.T @ waves + RIDGE * np.eye(scale.size), waves.T @ along))
-    return match, np.concatenate(y), sizes
+    shift = APART * prior * np.random.default_rng([seed, start]).normal(size=prior.size) if start else 0.0
+    return match, np.concatenate(y) + shift, sizes
