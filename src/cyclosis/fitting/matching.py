@@ -18,7 +18,9 @@ import numpy as np
 from ..model.grid import Array
 from ..model.precision import double
 from .compared import fields, waves
+from .displaced import displaced
 from .film import Film
+from .geometry import Tilt
 from .judged import loud, refusal
 from .marginal import integrated
 from .noise import noise_of
@@ -59,6 +61,7 @@ def by_film(
     window: Window | None,
     notes: tuple[str, ...],
     progress: Callable[[int, int], None] | None,
+    tilts: list[Tilt],
 ) -> Fit:
     """Return the `Fit` of a film of u, with P or angles if they were measured, by matching runs to it."""
     free = tuple(name for name in ORDER if name not in fixed)
@@ -78,7 +81,7 @@ def by_film(
         return refusal("film", names, fixed, film, sentence, seed, noise, notes)
     match = prepared(film, free, fixed, length, window)
     with double():
-        return _fitted(match, film, names, free, fixed, noise, seed, notes, progress)
+        return _fitted(match, film, names, free, fixed, noise, seed, notes, progress, tilts)
 
 
 def _rms(variance: Array, film: Film) -> float:
@@ -171,6 +174,7 @@ def _fitted(
     seed: int,
     notes: tuple[str, ...],
     progress: Callable[[int, int], None] | None,
+    tilts: list[Tilt],
 ) -> Fit:
     n = len(free)
     done = [0]
@@ -203,6 +207,9 @@ def _fitted(
         )
     x = found.x
     covariance = found.covariance * max(ratio, 1.0)
+    if tilts:
+        P, u = _waves(match, x)
+        covariance = covariance + displaced(match.layout.grid, match.arrays, film, (P, u), found.gain, tilts)
     deviation = np.sqrt(np.diag(covariance))
     values = np.exp(x[:n])
     logs = dict(zip(free, deviation.tolist(), strict=True))
@@ -243,13 +250,19 @@ def _fitted(
     )
 
 
+def _waves(match: Match, x: Array) -> tuple[Any, Any]:
+    """Return the waves of P and u at the film's times."""
+    with double():
+        dt = match.step(x, DT, QUICK * DT / COARSE)
+        P, u = fields(match.layout, match.arrays, jnp.asarray(x), dt, "float64")
+        return np.asarray(waves(P)), np.asarray(waves(u))
+
+
 def _predicted(match: Match, film: Film, x: Array) -> Any:
     import xarray
 
     arrays = match.arrays
-    with double():
-        P, u = fields(match.layout, arrays, jnp.asarray(x), match.step(x, DT, QUICK * DT / COARSE), "float64")
-        P, u = (np.asarray(waves(f)) for f in (P, u))
+    P, u = _waves(match, x)
     there = np.einsum("am,tcmn,bn->tcab", arrays.around, P, arrays.along).real
     flow = np.einsum("camn,tcmn,bn->tcab", arrays.windows, u, arrays.along).real
     dims = ("time", "component", "theta", "z")

@@ -61,8 +61,8 @@ class Match:
     """A film prepared for matching.
 
     `squares` are k² of the waves of the initial state that are used, `share` the number of vectors that count
-    as one, by field, `peaks` the largest size of each field, and `shapes` those of the film's arrays. `age` is
-    the time from the first frame to that in which u is first seen.
+    as one, by field, `peaks` the largest size of each field, and `shapes` those of the film's arrays. `age`
+    is the time from the first frame to that in which u is first seen.
     """
 
     layout: Layout
@@ -103,10 +103,10 @@ class Match:
                 columns(layout, single, at, unit[k : k + SHARE], dt, "float32")
                 for k in range(0, len(unit), SHARE)
             ]
-            slopes = np.zeros((x.size, sum(self.sizes.values())), np.float32)
+            slopes: Any = np.zeros((x.size, sum(self.sizes.values())), np.float32)
             slopes[columns_of] = np.concatenate([np.asarray(share) for share in shares])[: columns_of.size]
             last[:] = x, used, slopes
-            return slopes
+            return np.asarray(slopes)
 
         mean = [np.mean(wave**2, axis=0) for wave in arrays.waves]
         peaks = [self.peaks[name] / np.asarray(arrays.sigma[name]) for name in layout.fields]
@@ -139,7 +139,7 @@ class Match:
         ones = np.ones(across.size)
         terms = {"alpha_p": ones, "d_r": -ones, "kappa": -across, "d_s": -np.tile(self.squares, 2)}
         terms = {name: given[name] * given["U"] * self.age * term for name, term in terms.items()}
-        whole = sum(terms.values())
+        whole: Array = np.sum(list(terms.values()), axis=0)
         terms["U"] = whole
         slopes = np.array([terms.get(name, np.zeros(across.size)) for name in self.layout.free])
         return whole, slopes.reshape(len(self.layout.free), across.size)
@@ -288,7 +288,7 @@ def _seen_at(film: Film, share: float) -> int:
 def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array, Array]:
     """Return where one of several searches begins: the film from another age on, y there, and sizes of P.
 
-    |P|² P is about u where it was seen, and P is smooth elsewhere. All starts but the first are shifted by chance.
+    |P|² P is about u where it was seen, and smooth elsewhere. All starts but the first are shifted by chance.
     """
     assert film.u is not None
     at = _seen_at(film, SEEN[start % len(SEEN)])

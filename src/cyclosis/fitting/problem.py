@@ -27,9 +27,9 @@ class Problem:
 
     Rows of unknowns that are not used are 0. The first `logs` unknowns have the prior mean `begin` and
     deviation 1, all others mean 0. `squares` are k² of those, `weights` the mean square of their waves, 1 or
-    1/2 or 1/4, and `component` (0, 1, ...) says to which component of P they belong. `peak` is that of u in σ,
-    `since` (values,) the time of each value after u is first seen, and `alike` how many values share noise.
-    `growth(logs)` is σ τ of all waves, and its slopes (logs, waves).
+    1/2 or 1/4, and `component` (0, 1, ...) says to which component of P they belong. `peak` is that of u in
+    σ, `since` (values,) the time of each value after u is first seen, and `alike` how many values share
+    noise. `growth(logs)` is σ τ of all waves, and its slopes (logs, waves).
     """
 
     misfit: Callable[[Array], Array]

@@ -35,7 +35,7 @@ from .problem import Mask, Problem
 BLUR = 1 / 16
 """The blur, as a share of the peak of u."""
 SPAN = 1.0
-"""The time in R/U, after u is first seen, that the first stage follows; each later one follows twice as much."""
+"""Time in R/U after u is first seen that the first stage follows; each later one follows twice as much."""
 NARROW = 0.5
 """Prior deviation of the logarithms of parameters while the end is approached."""
 WIDTH = 2.0
@@ -72,7 +72,8 @@ class Found:
     """The end of a search: `x`, the covariance of the logarithms, the misfit, and what x took of N values.
 
     `short` is the gain that one more step was expected to bring: the search has ended where it is small.
-    `evidence` is the logarithm of that of the film, apart from a constant.
+    `evidence` is the logarithm of that of the film, apart from a constant, and `gain` (logs, values)
+    takes what is added to the misfit to what it moves.
     """
 
     x: Array
@@ -83,11 +84,12 @@ class Found:
     sizes: Array
     width: float
     evidence: float
+    gain: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """The end of an approach: `y`, the deviations of its prior, the stages that were passed, χ²/N of the last.
+    """The end of an approach: `y`, the deviations of its prior, stages that were passed, χ²/N of the last.
 
     It `fits` if all frames were matched.
     """
@@ -158,6 +160,7 @@ def ended(
         sizes,
         width,
         -0.5 * float(left @ left + ((away / scale) ** 2).sum() + np.linalg.slogdet(hessian)[1]),
+        -(inverse[:n] @ white),
     )
 
 
