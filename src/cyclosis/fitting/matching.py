@@ -187,8 +187,6 @@ def _fitted(
     end = _searched(match, film, seed, told)
     match, found, ratio, over = end.match, end.found, end.ratio, end.over
     alike = max(match.share.values())
-    if end.starts > 1:
-        notes = (*notes, f"the search was begun {end.starts} times, from other parameters and states")
     if ratio < WRONG and found.short < OPEN:
         found = integrated(match.problem(), found, told)
     if alike > 1.2:
@@ -205,6 +203,8 @@ def _fitted(
             f"frames are so far apart that differences in time show {over:.2g} times the noise; it was taken "
             "from what the run leaves instead",
         )
+    if end.starts > 1:
+        notes = (*notes, f"the search was begun {end.starts} times, from other parameters and states")
     x = found.x
     covariance = found.covariance * max(ratio, 1.0)
     if tilts:

@@ -40,9 +40,9 @@ START = {
 """Where the search begins: the paper's values. The prior is a factor e either way."""
 SEEN = 0.04, 0.08, 0.16, 0.02
 """Shares of the largest rms of u from which it counts as seen, start by start."""
-ACROSS, ALONG = 0.2, 1.6
-"""rms of the components of P when u is seen, as shares of what u alone shows: repulsion has damped one, and
-streams against each other, or that diverge, do not show in u."""
+ACROSS, ALONG = (0.2, 0.6), 1.6
+"""rms of the components of P when u is seen, as shares of what u alone shows, the first start by start:
+repulsion has damped it or not, and streams against each other, or that diverge, do not show in u."""
 APART = 0.5
 """Standard deviation by which later starts are shifted, as a share of the prior's. With less they end in the
 same basin as the first."""
@@ -303,7 +303,7 @@ def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array
         along = np.stack([np.sin(film.angle[at]), np.cos(film.angle[at])])[:, seen]
         along = along * np.sign((along * mean).sum(axis=0))
         P = np.where(np.isfinite(along), np.hypot(*P) * along, P)
-    sizes = np.array([ACROSS, ALONG])
+    sizes = np.array([ACROSS[start % len(ACROSS)], ALONG])
     if film.P is not None:
         P = np.where(film.known[early][:, None], film.P[early], 0.0).sum(axis=0)[:, seen] / count[seen]
         sizes = np.ones(2)
