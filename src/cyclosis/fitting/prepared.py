@@ -288,7 +288,7 @@ def _seen_at(film: Film, share: float) -> int:
 def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array, Array]:
     """Return where one of several searches begins: the film from another age on, y there, and sizes of P.
 
-    |P|² P is about u where it was seen, and smooth elsewhere. All starts but the first are shifted by chance.
+    |P|² P is about u where it was seen, and smooth elsewhere. All but the first two are shifted by chance.
     """
     assert film.u is not None
     at = _seen_at(film, SEEN[start % len(SEEN)])
@@ -318,5 +318,5 @@ def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array
     for scale, along in zip(np.split(prior[problem.logs :], 2), P, strict=True):
         waves = design * scale
         y.append(scale * np.linalg.solve(waves.T @ waves + RIDGE * np.eye(scale.size), waves.T @ along))
-    shift = APART * prior * np.random.default_rng([seed, start]).normal(size=prior.size) if start else 0.0
+    shift = APART * prior * np.random.default_rng([seed, start]).normal(size=prior.size) if start > 1 else 0.0
     return match, np.concatenate(y) + shift, sizes
