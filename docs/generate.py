@@ -9,6 +9,7 @@ import ast
 import inspect
 import json
 import re
+import sys
 from collections.abc import Iterable
 from functools import partial
 from importlib import import_module
@@ -141,19 +142,9 @@ def _cell(text: str) -> str:
 
 def symbols() -> str:
     """Return the page of symbols and the names that they have in code."""
-    out = NOTE + "# Symbols and names\n\nThe symbols in formulas, and their names in code and files. "
-    out += "Ranges are in\n[settings](settings.md), and equations in [the model](model.md).\n"
-    out += "\n## Given\n\n| symbol | name | meaning | default |\n|---|---|---|---|\n"
-    for table, items in TABLES.items():
-        for item in items:
-            if item.symbol != "-":
-                shown = f"{_cell(item.symbol)} | `{item.name}` in [{table}]"
-                out += f"| {shown} | {_cell(item.meaning)} | {_default(item)} |\n"
-    out += "\n## Computed\n\n| symbol | name | meaning |\n|---|---|---|\n"
-    for item in QUANTITIES:
-        if item.symbol != "-":
-            out += f"| {_cell(item.symbol)} | `{item.name}` | {_cell(item.meaning)} |\n"
-    return out
+    if str(HERE) not in sys.path:
+        sys.path.insert(0, str(HERE))
+    return NOTE + str(import_module("symbol_table").page())
 
 
 def gallery() -> str:
@@ -291,9 +282,21 @@ def claims() -> str:
     agree, in_part, do_not = tally.values()
     total = agree + in_part + do_not
     out += f"Of {total} claims {agree} agree, {in_part} agree in part and {do_not} do not. "
-    out += "Intervals are 95 %. Each claim leads to all that was measured.\n\n"
+    out += "Intervals are 95 %. Each claim leads to all that was measured. "
+    out += "[The claims by every model](models_compared.md)\n"
+    out += "judges them again where newer physics has something to say.\n\n"
     out += "| the paper's claim | verdict | decisive number | picture |\n|---|---|---|---|\n"
     return out + rows + "\n" + "\n".join(sections)
+
+
+def models_compared() -> str:
+    """Return the page that judges the claims by every model."""
+    spec = spec_from_file_location("compared", HERE / "compared" / "__init__.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules["compared"] = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return str(module.page())
 
 
 def _parts(text: str) -> list[str]:
@@ -482,6 +485,7 @@ PAGES = {
     "api/index.md": api,
     **{f"api/{name}.md": partial(reference, name) for name in REFERENCE},
     "claims.md": claims,
+    "models_compared.md": models_compared,
     "peers.md": peers,
     "../src/cyclosis/explorer/figure5.json": phase_diagram,
 }

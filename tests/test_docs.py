@@ -138,6 +138,7 @@ LONG = (
     "diagnostic.md",
     "kinetic.md",
     "closed.md",
+    "theory_closed.md",
     "protocols.md",
     "numerics.md",
 )

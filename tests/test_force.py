@@ -388,25 +388,3 @@ def test_a_run_whose_file_cannot_be_made_is_kept_to_its_end(finished, tmp_path, 
     assert cy.load(target).t_final == 2.0
     assert cy.resume_file(target).t_final == 2.0
     assert differences(target, cy.write(finished, tmp_path / "whole.nc")) == []
-
-
-def test_folders_put_in_one_place_at_once_come_one_after_the_other(tmp_path):
-    """What stands in the end is one of them, whole, and nothing else is left."""
-    target, failed = tmp_path / "sweep.zarr", []
-    store = fakes.filled(Store.create(tmp_path / "store", fakes.sweep()))
-
-    def work():
-        try:
-            for _ in range(3):
-                export(store, target, force=True)
-        except Exception as error:
-            failed.append(error)
-
-    threads = [threading.Thread(target=work) for _ in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert failed == []
-    assert xarray.open_zarr(target).equals(cy.open_sweep(store.path))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["store", "sweep.zarr"]

@@ -11,7 +11,7 @@ from cyclosis.experiments.droplet import off_theory, spread
 from cyclosis.experiments.ends import kinds
 from cyclosis.experiments.experiment import OUTCOMES
 from cyclosis.experiments.streaming_transport import deviations
-from cyclosis.experiments.vacuole_passive import as_predicted
+from cyclosis.experiments.vacuole_passive_verdict import as_predicted
 
 pytestmark = pytest.mark.slow
 

@@ -8,6 +8,7 @@ import xarray
 import cyclosis as cy
 from cyclosis.experiments import dragged
 from cyclosis.experiments import vacuole_passive as subject
+from cyclosis.experiments import vacuole_passive_verdict as judged
 from cyclosis.models.on_polar import rate_modes
 from cyclosis.stability.existence.crossings import existing_from, stable_from
 from vacuole_oracle import wave
@@ -241,7 +242,7 @@ def made(ends=(), speed=0.98, usual_speed=0.999, seeds=20):
             "edge": (("edge_beta", "edge_alpha_u"), [[np.nan, 0.9], [0.9, 0.7]]),
             "grown": (("what", "grown_beta", "way"), np.ones((4, 3, 2))),
             "peak_speed": ("curve", 0.97 * speeds),
-            **dict.fromkeys(subject.COMPARED[1:], ("curve", 0.2 / speeds)),
+            **dict.fromkeys(judged.COMPARED[1:], ("curve", 0.2 / speeds)),
         },
         {
             "beta": beta,
@@ -284,20 +285,20 @@ def test_verdict_and_figure_follow_from_the_data(data, outcome):
 
 
 def test_ends_are_compared_seed_by_seed():
-    changed, redrawn = subject.changes(made({(2, 1): SWAPPED}), 0.3)
+    changed, redrawn = judged.changes(made({(2, 1): SWAPPED}), 0.3)
     assert changed.tolist() == [0, 20, 0, 0]
     assert redrawn == pytest.approx(20 * 10 / 19)  # of 19 other seeds 10 end otherwise
-    assert not subject.beyond_seeds(made({(2, 1): SWAPPED}), 0.3).any()
-    assert subject.beyond_seeds(made({(2, 3): TILTED}), 0.3).tolist() == [False, False, False, True]
+    assert not judged.beyond_seeds(made({(2, 1): SWAPPED}), 0.3).any()
+    assert judged.beyond_seeds(made({(2, 3): TILTED}), 0.3).tolist() == [False, False, False, True]
     few = np.where(np.arange(20) < 6, 3, 2)  # p = 2 · 2⁻⁶, and 24 kinds and places are tested
-    assert not subject.beyond_seeds(made({(2, 3): few}), 0.3).any()
-    assert not subject.beyond_seeds(made({(2, 1): MERGED}), 0.3).any()
-    assert subject.merged(made({(2, 1): MERGED}), 0.3) == (8, 0)
-    assert subject.merged(made({(2, 1): SWAPPED, (2, 3): TILTED}), 0.3) == (10, 10)
-    assert subject.mcnemar(8, 0) == pytest.approx(2**-7)
-    assert subject.mcnemar(0, 0) == 1.0
+    assert not judged.beyond_seeds(made({(2, 3): few}), 0.3).any()
+    assert not judged.beyond_seeds(made({(2, 1): MERGED}), 0.3).any()
+    assert judged.merged(made({(2, 1): MERGED}), 0.3) == (8, 0)
+    assert judged.merged(made({(2, 1): SWAPPED, (2, 3): TILTED}), 0.3) == (10, 10)
+    assert judged.mcnemar(8, 0) == pytest.approx(2**-7)
+    assert judged.mcnemar(0, 0) == 1.0
     more = np.where(np.arange(20) < 11, 3, 2)
-    assert subject.beyond_seeds(made({(2, 3): more}), 0.3).sum() == 1
+    assert judged.beyond_seeds(made({(2, 3): more}), 0.3).sum() == 1
 
 
 def test_the_sentence_has_the_numbers():
@@ -312,7 +313,7 @@ def test_the_sentence_has_the_numbers():
 
 def test_places_above_the_border_are_counted():
     # α_p from 0.025 in steps of 0.0513: 2 at 0.9 or more, 6 at 0.7 or more.
-    assert subject.tilted_places(made()) == {0.1: 2, 0.3: 8}
+    assert judged.tilted_places(made()) == {0.1: 2, 0.3: 8}
 
 
 def test_kinds_follow_from_regime_and_tilt():

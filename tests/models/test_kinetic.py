@@ -112,7 +112,7 @@ def test_aligned_filaments_follow_the_polar_model():
     ("rest", "expected"), [(0.1, 0.24804), (0.025, 0.17702), (0.00625, 0.05260), (0.003125, 0.02680)]
 )
 def test_the_curve_of_the_aligned_limit(rest, expected):
-    """The difference of dP/dt from the closure's, over that: docs/kinetic.md has the curve."""
+    """The difference of dP/dt from the closure's, over that: docs/theory_kinetic.md has the curve."""
     grid, params = cy.CylinderGrid(24, 24), cy.Parameters(d_s=0.0, d_r=0.0)
     wave = grid.theta[:, None] - 2 * np.pi / 5 * grid.z
     angle = 1.2 + 0.4 * np.sin(grid.theta)[:, None] + 0.3 * np.cos(wave)

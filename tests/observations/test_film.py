@@ -48,7 +48,9 @@ def error(seen, camera, start=1.0):
 def test_films_of_the_model_come_back(axis, mirrored, format, tmp_path):
     pytest.importorskip("skimage")
     made, path = shot(tmp_path, format, axis, mirrored)
-    seen = film(path, frame_s=0.3)
+    told = []
+    seen = film(path, frame_s=0.3, progress=lambda done, total: told.append((done, total)))
+    assert told == [(1, 2), (2, 2)]
     assert seen.time_unit == "s"
     assert len(seen.frames) == 2
     assert error(seen, made.camera).max() < 0.06

@@ -338,3 +338,25 @@ def test_what_is_no_export_is_refused(tmp_path):
     for place in (path, tmp_path / "none.nc", tmp_path / "none.zarr"):
         with pytest.raises(cy.InputError, match="sweep"):
             open_sweep(place)
+
+
+def test_folders_put_in_one_place_at_once_come_one_after_the_other(tmp_path):
+    """What stands in the end is one of them, whole, and nothing else is left."""
+    target, failed = tmp_path / "sweep.zarr", []
+    store = fakes.filled(Store.create(tmp_path / "store", fakes.sweep()))
+
+    def work():
+        try:
+            for _ in range(3):
+                export(store, target, force=True)
+        except Exception as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=work) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failed == []
+    assert xarray.open_zarr(target).equals(cy.open_sweep(store.path))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["store", "sweep.zarr"]

@@ -256,7 +256,7 @@ def measure(
         "step_px": step_px,
         "window_px": window_px,
     }
-    seen = reading(files, format, both, said, of_film)
+    seen = reading(files, format, both, said, of_film, quiet)
     given = (radius_um, radius_px, axis, centre, *(out or []))
     if all(value is None for value in given):
         print(seen)

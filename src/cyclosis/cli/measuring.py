@@ -17,10 +17,12 @@ def reading(
     both: dict[str, Any],
     said: dict[str, Any],
     of_film: dict[str, Any],
+    quiet: bool,
 ) -> Observation:
-    """Return the measurement in the files, or in a film."""
+    """Return the measurement in the files, or in a film, with a bar of what is done unless `quiet`."""
     from ..observations import film, read
     from ..observations.films.reading import is_film
+    from ..progress import Bar
 
     both, said, of_film = ({k: v for k, v in each.items() if v is not None} for each in (both, said, of_film))
     filmed = format == "film" or (format is None and is_film(files[0]))
@@ -36,7 +38,8 @@ def reading(
         step = both["step_px"]
         both["step_px"] = int(step) if step == int(step) else step
     steady = not of_film.pop("keep_drift", False)
-    return film(files[0], **both, **of_film, steady_stage=steady)
+    with Bar("velocities", hidden=quiet) as bar:
+        return film(files[0], **both, **of_film, steady_stage=steady, progress=bar)
 
 
 def on_surface(

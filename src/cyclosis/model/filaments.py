@@ -214,6 +214,6 @@ def nonlinear(now: Moment, terms: tuple[Term, ...]) -> jax.Array:
     rate = rate - epsilon * (u * now.divergence + p * stretching)
     s = u.real * p.imag - u.imag * p.real
     # The curl (d_z s, -d_theta s) packs to the spectrum K s_k.
-    curl = epsilon * now.space.K * now.space.to_spectrum(s)
+    curl = epsilon * (now.space.K * now.space.to_spectrum(s))
     # K alone leaves the Nyquist modes of one direction that have a wavenumber in the other.
     return now.space.keep * (now.space.to_spectrum(rate) + curl)

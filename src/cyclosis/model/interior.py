@@ -1,8 +1,8 @@
 """How the fluid in the vacuole answers the wall: the stress of one wave of the wall's velocity, and its drag.
 
 The wall r = 1 moves with (0, a, b) e^{i(nθ + κz)}, components (r, θ, z). The Stokes flow inside, of viscosity
-η = 1, is built from harmonic functions I_n(κr) e^{i(nθ + κz)}; docs/vacuole.md derives it. Everything is
-written in T = t_n(κ) (see `bessel`), so that long and short waves are as exact as any.
+η = 1, is built from harmonic functions I_n(κr) e^{i(nθ + κz)}; docs/theory_vacuole.md derives it.
+Everything is written in T = t_n(κ) (see `bessel`), so that long and short waves are as exact as any.
 """
 
 from __future__ import annotations

@@ -66,6 +66,11 @@ class Moment:
         other.__dict__ |= {"u": self.u, "p": p}
         return other
 
+    def of(self, spectrum: jax.Array) -> Moment:
+        """Return another state at the same instant, of which nothing has been computed."""
+        others = self.values, self.space, self.operator, self.cubic, self.grid, self.closure
+        return Moment(self.time, spectrum, *others)
+
     @cached_property
     def p(self) -> jax.Array:
         """P_theta + i P_z."""
@@ -94,17 +99,17 @@ class Moment:
     @cached_property
     def strain(self) -> jax.Array:
         """E_tt + i E_tz, with E the symmetric gradient of u and E_zz = -E_tt."""
-        return self.space.to_physical(0.5j * self.space.K * self.flow_spectrum)
+        return self.space.to_physical(0.5j * (self.space.K * self.flow_spectrum))
 
     @cached_property
     def vorticity(self) -> jax.Array:
         """d_theta u_z - d_z u_theta."""
-        return self.space.to_physical(1j * jnp.conj(self.space.K) * self.flow_spectrum).imag
+        return self.space.to_physical(1j * (jnp.conj(self.space.K) * self.flow_spectrum)).imag
 
     @cached_property
     def divergence(self) -> jax.Array:
         """∇·P (the imaginary part of the same transform is the curl of P)."""
-        return self.space.to_physical(1j * jnp.conj(self.space.K) * self.spectrum).real
+        return self.space.to_physical(1j * (jnp.conj(self.space.K) * self.spectrum)).real
 
     @property
     def p_gradient(self) -> tuple[jax.Array, jax.Array]:
@@ -118,4 +123,4 @@ class Moment:
 
     def _gradient(self, spectrum: jax.Array) -> tuple[jax.Array, jax.Array]:
         m, q = self.space.m, self.space.q
-        return self.space.to_physical(1j * m * spectrum), self.space.to_physical(1j * q * spectrum)
+        return self.space.to_physical(1j * (m * spectrum)), self.space.to_physical(1j * (q * spectrum))

@@ -27,7 +27,11 @@ from .hydrodynamics import FlowOperator
 from .moment import Moment, Values
 from .parameters import Parameters
 from .precision import double, dtypes
+from .real_arithmetic import in_real_arithmetic
 from .spectral import Space, dot
+
+SMALL = 32 * 32
+"""Points up to which complex arithmetic stays: compiling pairs of real arrays takes longer than they save."""
 
 
 class Ramp(NamedTuple):
@@ -107,12 +111,24 @@ class System:
 
     def nonlinear(self, now: Moment) -> jax.Array:
         """Return the spectrum of the rest of dP/dt."""
-        rest = filaments.nonlinear(now, self.terms)
+        rest = self._rest(now)
         if not self.split:
             return rest + filaments.linear_symbol(now, self.terms) * now.spectrum
         if self.ramp is None or not _LINEAR & self.ramp.target.keys():
             return rest
         return rest + (filaments.linear_symbol(now, self.terms) - self.linear()) * now.spectrum
+
+    def _rest(self, now: Moment) -> jax.Array:
+        # Models that add to a moment share its fields with their own terms. A custom term stays as written.
+        own = type(now) is Moment and all(term.kind != "custom" for term in self.terms)
+        if not own or now.spectrum.size <= SMALL:
+            return filaments.nonlinear(now, self.terms)
+
+        def rest(spectrum: jax.Array) -> jax.Array:
+            return filaments.nonlinear(now.of(spectrum), self.terms)
+
+        rewritten: jax.Array = in_real_arithmetic(rest)(now.spectrum)
+        return rewritten
 
     def size(self, spectrum: jax.Array) -> jax.Array:
         """Return <|P|²>^½ of a packed spectrum (Parseval), or the same of a rate or an error."""

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from ..model.doors import door
 from ..model.errors import InputError, flag, number, whole
+from ..model.reporting import Progress, counted, reported
 from .films import light as lights
 from .films import measuring, moving, reading, steady, trial
 from .films.line import line_of
@@ -49,6 +50,7 @@ def film(
     steady_stage: bool = True,
     light: str = "luma",
     line_px: Sequence[Sequence[float]] | None = None,
+    progress: Progress = None,
 ) -> Observation:
     """Return the velocities in a film, an `Observation` on a grid of its pictures.
 
@@ -71,7 +73,9 @@ def film(
     a line, the result is a kymograph along it, whose speeds `on_surface` measures; nothing is taken out of
     that. `frame_s` of the result is the time from the first frame of a pair to the second, and `noise_px` the
     noise of one component of that displacement, from three successive means, or in short films their standard
-    error; its `window_px` is the side of a square that averages as the window does. Needs scikit-image
+    error; its `window_px` is the side of a square that averages as the window does. A bar shows the
+    velocities that are done in a terminal or a notebook unless `progress` is False; a function is called as
+    `progress(done, total)`. Needs scikit-image
     (`pip install 'cyclosis[film]'`), and tifffile for TIFF (`cyclosis[data]`). Raises `InputError` in one
     sentence for films that cannot be read, that have fewer than two frames, or in which nothing moves.
 
@@ -121,7 +125,8 @@ def film(
     radius = None if window is None else max(2, round(0.5 * (window / shot.binned - 1)))
     cell = _cell(steady.steadied(prepared, places), times[kept], radius, shot.binned, str(path))
     plan, fastest = trial.planned(cell.pictures, cell.live, radius, between, mean)
-    seen, errors = measuring.measured(cell, plan, fastest, most, apart)
+    with reported(progress, "velocities", counted) as told:
+        seen, errors = measuring.measured(cell, plan, fastest, most, apart, told)
     if not errors.size:
         rule = "a film whose frames resemble each other, moved by less than about 20 pixels"
         remedy = "record more frames a second, or leave out every"

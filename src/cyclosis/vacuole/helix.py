@@ -6,7 +6,7 @@ A field that depends on φ = θ - Qz alone has waves (m, -mQ). Its flow depends 
 
 so that ψ is constant along every trajectory. A band e^{inφ} of speed f along the helix has
 ψ = f sin α I_n(κr)/I_n(κ) κ² T [2 r² t τ' + (T - T') (1 - r²)] / D with tan α = Q and κ = n|Q|; for small Q
-this is -Q³ f n r^n (1 - r²)² / (4 (n + 1)(n + 2)). docs/vacuole.md derives both.
+this is -Q³ f n r^n (1 - r²)² / (4 (n + 1)(n + 2)). docs/theory_vacuole.md derives both.
 """
 
 from __future__ import annotations

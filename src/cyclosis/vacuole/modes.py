@@ -5,9 +5,10 @@ function, the solution of ∇p = ∇²v, ∇·v = 0 is, for n, κ >= 0,
 
     v_r = i (r_a a + r_b b),  v_θ = θ_a a + θ_b b,  v_z = z_a a + z_b b,  p = i (p_a a + p_b b)
 
-with real functions of r, given in docs/vacuole.md. They are written in t_n(x) = I_{n+1}(x)/(x I_n(x)) (see
-`model.bessel`), so that nothing overflows, nothing cancels on the axis or at the wall, and κ = 0 is not
-special. For other signs, r_a and p_a take the sign of m, r_b and p_b that of q, θ_b and z_a that of mq.
+with real functions of r, given in docs/theory_vacuole.md. They are written in
+t_n(x) = I_{n+1}(x)/(x I_n(x)) (see `model.bessel`), so that nothing overflows, nothing cancels on the axis
+or at the wall, and κ = 0 is not special. For other signs, r_a and p_a take the sign of m, r_b and p_b that
+of q, θ_b and z_a that of mq.
 
 For n = κ = 0 the wall pulls the fluid along. Here the cell is closed: no net flux, and a pressure gradient
 8b.

@@ -11,7 +11,7 @@ ends of the cell.
 # In the order in which they are to be read.
 # isort: off
 from .shapes import Mask as Mask
-from .shapes import ROUNDING as ROUNDING
+from .points import ROUNDING as ROUNDING
 from .images import LARGEST_IMAGE as LARGEST_IMAGE
 from .images import LARGEST_TEXT as LARGEST_TEXT
 from .shapes import Region as Region

@@ -12,7 +12,8 @@ import numpy as np
 
 from ...display.shown import shown
 from ..errors import InputError
-from .shapes import ROUNDING, Mask, Region
+from .points import ROUNDING
+from .shapes import Mask, Region
 
 LARGEST_IMAGE = 4096
 """Pixels along either side of an image."""

@@ -12,12 +12,9 @@ from ...display.shown import shown
 from ..doors import door
 from ..errors import InputError
 from ..interventions import SHAPES
-from ..wording import beside
+from .points import ROUNDING, between, in_short, nearest, on_the_cell, refuse_nothing, surface_of, unrolled
 
 Mask = npt.NDArray[np.bool_]
-
-ROUNDING = 1e-9
-"""A point no farther than this before an edge counts as on it."""
 
 
 @shown
@@ -65,7 +62,7 @@ class Region:
 
     def covers(self, grid: Any) -> Any:
         """Return whether points of a grid lie in the region, of a shape that broadcasts to the grid's."""
-        along, length = _unrolled(grid)
+        along, length = unrolled(grid)
         return self.inside(grid.theta[:, None], along[None, :], length)
 
     def inside(self, theta: Any, z: Any, length: float) -> Any:
@@ -86,7 +83,7 @@ class Region:
         return Intersection((self, other))
 
     def __str__(self) -> str:
-        values = (f"{item.name} = {_shown(getattr(self, item.name))}" for item in fields(self))
+        values = (f"{item.name} = {in_short(getattr(self, item.name))}" for item in fields(self))
         return f"{self.shape} ({', '.join(values)})"
 
 
@@ -109,17 +106,17 @@ class Box(Region):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _refuse_nothing("theta1", self.theta0, self.theta1)
-        _refuse_nothing("z1", self.z0, self.z1)
+        refuse_nothing("theta1", self.theta0, self.theta1)
+        refuse_nothing("z1", self.z0, self.z1)
 
     def check(self, grid: Any) -> None:
         """Raise `InputError` if the box ends beyond the cell."""
-        _on_the_cell("z0", self.z0, grid)
-        _on_the_cell("z1", self.z1, grid)
+        on_the_cell("z0", self.z0, grid)
+        on_the_cell("z1", self.z1, grid)
 
     def inside(self, theta: Any, z: Any, length: float) -> Any:
         """Return whether points lie in the box."""
-        return _between(theta, self.theta0, self.theta1, 2 * np.pi) & _between(z, self.z0, self.z1, length)
+        return between(theta, self.theta0, self.theta1, 2 * np.pi) & between(z, self.z0, self.z1, length)
 
 
 @shown
@@ -142,19 +139,19 @@ class Disc(Region):
 
     def check(self, grid: Any) -> None:
         """Raise `InputError` if the centre is not on the cell."""
-        _on_the_cell("z", self.z, grid)
+        on_the_cell("z", self.z, grid)
 
     def covers(self, grid: Any) -> Any:
         """Return whether points of a grid lie in the disc."""
-        if _closed(grid) is None:
+        if surface_of(grid) is None:
             return super().covers(grid)
         apart = grid.xyz - grid.position(self.theta, self.z)[:, None, None]
         return np.sqrt(np.sum(apart**2, axis=0)) <= self.radius + ROUNDING
 
     def inside(self, theta: Any, z: Any, length: float) -> Any:
         """Return whether points lie in the disc, on a cylinder."""
-        around = _nearest(theta - self.theta, 2 * np.pi)
-        along = _nearest(z - self.z, length)
+        around = nearest(theta - self.theta, 2 * np.pi)
+        along = nearest(z - self.z, length)
         return np.hypot(around, along) <= self.radius + ROUNDING
 
 
@@ -176,7 +173,7 @@ class Band(Region):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _refuse_nothing("stop", self.start, self.stop)
+        refuse_nothing("stop", self.start, self.stop)
         if self.axis == "theta":
             for name in ("start", "stop"):
                 if getattr(self, name) > 6.3:
@@ -186,14 +183,14 @@ class Band(Region):
     def check(self, grid: Any) -> None:
         """Raise `InputError` if the band ends beyond the cell."""
         if self.axis == "z":
-            _on_the_cell("start", self.start, grid)
-            _on_the_cell("stop", self.stop, grid)
+            on_the_cell("start", self.start, grid)
+            on_the_cell("stop", self.stop, grid)
 
     def inside(self, theta: Any, z: Any, length: float) -> Any:
         """Return whether points lie in the band."""
         if self.axis == "theta":
-            return _between(theta, self.start, self.stop, 2 * np.pi) & (z == z)
-        return _between(z, self.start, self.stop, length) & (theta == theta)
+            return between(theta, self.start, self.stop, 2 * np.pi) & (z == z)
+        return between(z, self.start, self.stop, length) & (theta == theta)
 
 
 @shown
@@ -384,40 +381,3 @@ def _require_regions(parts: tuple[Any, ...]) -> None:
             raise InputError(
                 "region", part, "a region of cyclosis.regions", "make it with regions.disc, for example"
             )
-
-
-def _refuse_nothing(name: str, start: float, stop: float) -> None:
-    if start == stop:
-        raise InputError(name, stop, "different from the first end", "leave some room between the two")
-
-
-def _closed(grid: Any) -> Any:
-    """Return the surface of a closed grid, None of a cylinder's."""
-    return getattr(grid, "surface", None)
-
-
-def _unrolled(grid: Any) -> tuple[Any, float]:
-    """Return the positions (n,) of a grid along the cell, and the length of the cell in that direction."""
-    surface = _closed(grid)
-    return (grid.z, grid.length) if surface is None else (grid.s, surface.meridian_length)
-
-
-def _on_the_cell(name: str, z: float, grid: Any) -> None:
-    length = _unrolled(grid)[1]
-    if not 0 <= z <= length * (1 + ROUNDING):
-        what = "its length" if _closed(grid) is None else "the length of its meridian"
-        remedy = "move the region, or lengthen the cell"
-        raise InputError(name, z, f"on the cell, from 0 to {what} {beside(length, z)}", remedy)
-
-
-def _between(x: Any, start: float, stop: float, period: float) -> Any:
-    width = stop - start if stop > start else stop - start + period
-    return ((x - start + ROUNDING) % period < width) | (width >= period)
-
-
-def _nearest(distance: Any, period: float) -> Any:
-    return (distance + 0.5 * period) % period - 0.5 * period
-
-
-def _shown(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,11 +69,19 @@ def mean_velocity(film: Prepared, start: int, plan: Plan, fastest: float) -> Mea
     return Mean(total / np.maximum(weights, 1e-24), error, good, float(np.mean(middles)))
 
 
-def measured(film: Prepared, plan: Plan, fastest: float, most: int, step: int) -> tuple[list[Frame], Array]:
+def measured(
+    film: Prepared,
+    plan: Plan,
+    fastest: float,
+    most: int,
+    step: int,
+    told: Callable[..., None] | None = None,
+) -> tuple[list[Frame], Array]:
     """Return velocities at times spread evenly over a film, from at most `most` pairs, and their errors.
 
     The velocities are in pixels of the file per unit of time, `step` such pixels apart. The errors are
-    those of one component, at the samples that count.
+    those of one component, at the samples that count. `told` is called with how many velocities of how many
+    are done.
     """
     pairs = len(film.pictures) - plan.gap
     count = max(1, min(most, pairs) // plan.average)
@@ -82,12 +91,14 @@ def measured(film: Prepared, plan: Plan, fastest: float, most: int, step: int) -
     y, x = np.arange(apart // 2, rows, apart), np.arange(apart // 2, columns, apart)
     offset = 0.5 * (film.binned - 1)
     frames, errors = [], []
-    for start in starts:
+    for done, start in enumerate(starts, start=1):
         mean = mean_velocity(film, int(start), plan, fastest)
         vx, vy = mean.v[:, y[:, None], x] * film.binned
         good = mean.good[y[:, None], x]
         frames.append(gridded(film.binned * x + offset, film.binned * y + offset, vx, vy, good, mean.time))
         errors.append(mean.error[y[:, None], x][good] * film.binned)
+        if told is not None:
+            told(done, starts.size)
     return frames, np.concatenate(errors)
 
 
