@@ -187,7 +187,7 @@ def test_a_geometry_that_is_off_moves_the_estimates_as_was_foreseen(film, small,
     monkeypatch.setattr(prepared, "START", {**TRUTH, "U": 1.0})
     data = film[["u"]].isel(theta=slice(5, 12))
     data = data.assign_attrs(facing=float(data["theta"].mean()))
-    sizes = {"axis_deg": 0.3, "radius": 0.02}
+    sizes = {"axis_deg": 0.3, "radius": 0.01}
     noise = 0.01 * np.random.default_rng(3).normal(size=data["u"].shape)
     known = {name: value for name, value in TRUTH.items() if name not in ("alpha_p", "d_s")}
 
