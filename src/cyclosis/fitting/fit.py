@@ -12,7 +12,7 @@ from ..model.errors import InputError, choice, closest, number, whole
 from ..model.reporting import Progress, counted, reported
 from ..model.scales import Scales
 from .film import Film, film_of
-from .geometry import tilts, visible
+from .geometry import axes, tilts, visible
 from .judged import by_equation, refusal
 from .noise import noise_of
 from .result import ORDER, Fit
@@ -72,10 +72,11 @@ def fit(
     "auto" takes the first that the data allow.
 
     geometry: standard deviations of the camera's geometry, of axis_deg, radius (relative) and centre (in
-    radii); intervals then include it. `draws` times the estimated noise is added again, from `seed`, for the
-    intervals. `length` is the period of the cell along the axis in a fit of a film, by default that of the
-    data's attribute length or 1.2 times the window. A fit by "film" shows a bar in a
-    terminal or a notebook unless `progress` is False; a function is called as `progress(done, total)`.
+    radii); intervals of a film then include it. By "equation", `draws` times the estimated noise is added
+    again, from `seed`, for the intervals. `length` is the period of the cell along the axis in a fit of a
+    film, by default that of the data's attribute length or 1.2 times the window. A fit by "film" shows a
+    bar in a terminal or a notebook unless `progress` is False; a function is called as
+    `progress(done, total)`.
 
     window: the side, in radii, of the squares of the image over which vectors of u are averaged, 0 for values
     at points; by default what the measurement knows (its attributes window_px and radius_px). The model is
@@ -127,7 +128,7 @@ def fit(
         if parameters is None or "U" not in wanted:
             fixed = {"U": 1.0} | fixed
         with reported(progress, "fit", counted) as report:
-            return by_film(film, wanted, fixed, seed, length, square, notes, report)
+            return by_film(film, wanted, fixed, seed, length, square, notes, report, axes(geometry))
     from .steady import by_profile
 
     return by_profile(film, wanted, fixed, seed)

@@ -52,8 +52,19 @@ class Tilt:
 
 def tilts(geometry: Mapping[str, Any] | None, draws: int, rng: np.random.Generator) -> list[Tilt]:
     """Return random geometries within their uncertainty, or none where it is not given."""
+    scale = _deviations(geometry)
+    return [Tilt(*(scale * rng.normal(size=3))) for _ in range(draws)] if scale.any() else []
+
+
+def axes(geometry: Mapping[str, Any] | None) -> list[Tilt]:
+    """Return the geometries that are off by one standard deviation in one thing each."""
+    return [Tilt(*row) for row in np.diag(_deviations(geometry)) if row.any()]
+
+
+def _deviations(geometry: Mapping[str, Any] | None) -> Array:
+    """Return the standard deviations of a `Tilt`."""
     if geometry is None:
-        return []
+        return np.zeros(3)
     if not isinstance(geometry, Mapping):
         rule = "a table of axis_deg, radius and centre"
         raise InputError("geometry", geometry, rule, "write geometry={'axis_deg': 0.5}")
@@ -64,8 +75,7 @@ def tilts(geometry: Mapping[str, Any] | None, draws: int, rng: np.random.Generat
         size[name] = number(
             f"{name} of the geometry", value, 0.0, KINDS[name][1], f"give the {KINDS[name][0]}"
         )
-    scale = np.array([np.radians(size["axis_deg"]), size["radius"], size["centre"]])
-    return [Tilt(*(scale * rng.normal(size=3))) for _ in range(draws)] if scale.any() else []
+    return np.array([np.radians(size["axis_deg"]), size["radius"], size["centre"]])
 
 
 def visible(film: Film) -> Film:

@@ -9,6 +9,7 @@ out; they are widened by sqrt(χ²/N) where that is above 1.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -17,15 +18,18 @@ import numpy as np
 from ..model.grid import Array
 from ..model.precision import double
 from .compared import fields, waves
+from .displaced import displaced
 from .film import Film
+from .geometry import Tilt
 from .judged import loud, refusal
+from .marginal import integrated
 from .noise import noise_of
-from .prepared import COARSE, DT, QUICK, WIDTH, Match, begin, peak, prepared
+from .prepared import COARSE, DT, QUICK, Match, begin, peak, prepared
 from .result import ORDER, Fit, directions, masked, of_logarithms
-from .search import Found, search
+from .search import WIDTH, Found, Near, approached, ended
 from .windows import Window
 
-STAGES = 16
+STAGES = 32
 """Steps that a search usually takes, for the progress."""
 LEAST = 4
 """One frame less than the fewest."""
@@ -37,6 +41,12 @@ OPEN = 0.1
 """Gain still expected of one more step, beyond which a search has not ended."""
 CHANCE = 6.0
 """Standard deviations of χ²/N beyond which it is not chance."""
+LUCK = 4.0
+"""The same, beyond which a search is begun again."""
+STARTS = 6
+"""Most starts."""
+SAME = 3.0
+"""Difference of the logarithms of evidence below which two ends are taken to be one."""
 LOST = 0.5
 """Posterior deviation of a logarithm at which the prior, 1, decides."""
 ALIKE = "what neighbouring vectors share of their noise was taken into account: {0:.2g} of them count as one"
@@ -51,6 +61,7 @@ def by_film(
     window: Window | None,
     notes: tuple[str, ...],
     progress: Callable[[int, int], None] | None,
+    tilts: list[Tilt],
 ) -> Fit:
     """Return the `Fit` of a film of u, with P or angles if they were measured, by matching runs to it."""
     free = tuple(name for name in ORDER if name not in fixed)
@@ -70,27 +81,76 @@ def by_film(
         return refusal("film", names, fixed, film, sentence, seed, noise, notes)
     match = prepared(film, free, fixed, length, window)
     with double():
-        return _fitted(match, film, names, free, fixed, noise, seed, notes, progress)
+        return _fitted(match, film, names, free, fixed, noise, seed, notes, progress, tilts)
 
 
 def _rms(variance: Array, film: Film) -> float:
     return float(np.sqrt(variance[..., film.known.any(axis=0)].mean()))
 
 
-def _searched(match: Match, film: Film, told: Callable[[], None]) -> tuple[Match, Found, float, float]:
-    """Return the film with its noise, the end of the search, χ²/N, and by what the noise was too large."""
-    assert film.u is not None
+@dataclass(frozen=True, eq=False)
+class End:
+    """The end of a search, χ²/N there, by what the noise was too large, and how many starts it took."""
+
+    match: Match
+    found: Found
+    ratio: float
+    over: float
+    starts: int
+
+
+def _searched(match: Match, film: Film, seed: int, told: Callable[[], None]) -> End:
+    """Return the end of the largest evidence among those of as many starts as are needed."""
+    near: list[tuple[Near, Match]] = []
+    ends: list[End] = []
+    for start in range(STARTS):
+        aged, y, sizes = begin(match, film, start, seed)
+        reached = approached(aged.problem(), y, sizes, told)
+        near.append((reached, aged))
+        if reached.fits:
+            ends.append(_ended(*near[-1], start + 1, told))
+            if _good(ends[-1]) or _alike(ends):
+                break
+    if not ends:
+        reached, aged = max(near, key=lambda each: (each[0].stages, -each[0].ratio))
+        sizes = aged.problem().sizes(reached.scale)
+        reached = approached(aged.problem(), reached.y, sizes, told, patient=True)
+        ends.append(_ended(reached, aged, STARTS, told))
+    best = max(ends, key=lambda end: end.found.evidence)
+    if best.ratio < SPARSE:
+        quiet, over = best.match.quieter(
+            best.found.left, _free(best.match, best.found) / best.found.left.size
+        )
+        found = best.found
+        found = ended(quiet.problem(), found.x, found.sizes, found.width, told)
+        best = replace(best, match=quiet, found=found, ratio=_ratio(quiet, found), over=over)
+    return replace(best, starts=max(end.starts for end in ends))
+
+
+def _ended(near: Near, match: Match, starts: int, told: Callable[[], None]) -> End:
     problem = match.problem()
-    # u is about |P|² P, and the film's first frames bound it from above with their noise.
-    rms = np.sqrt(2 * np.mean(film.u[:2][np.broadcast_to(film.known[:2, None], film.u[:2].shape)] ** 2))
-    size = float(np.clip(rms, 1e-6, 1.0) ** (1 / 3))
-    found = search(problem, begin(match, film, problem, size), np.full(2, size), WIDTH, told)
-    ratio = _ratio(match, found)
-    if ratio >= SPARSE:
-        return match, found, ratio, 1.0
-    match, over = match.quieter(found.left, _free(match, found) / found.left.size)
-    found = search(match.problem(), found.x, found.sizes, found.width, told, blurred=False)
-    return match, found, _ratio(match, found), over
+    sizes = problem.sizes(
+        near.scale * problem.first(np.append(near.y[: problem.logs], np.ones(problem.squares.size)))
+    )
+    found = ended(problem, problem.first(near.y), sizes, WIDTH, told)
+    return End(match, found, _ratio(match, found), 1.0, starts)
+
+
+def _good(end: End) -> bool:
+    """Return whether a search has ended and leaves no more than chance allows."""
+    return end.found.short < OPEN and end.ratio < 1 + LUCK * _chance(end.match, end.found)
+
+
+def _alike(ends: list[End]) -> bool:
+    """Return whether the last search has ended where another has."""
+    *others, last = (end.found for end in ends)
+    same = (abs(other.evidence - last.evidence) < SAME and other.short < OPEN for other in others)
+    return last.short < OPEN and any(same)
+
+
+def _chance(match: Match, found: Found) -> float:
+    """Return the standard deviation of χ²/N."""
+    return float(np.sqrt(2 * max(match.share.values()) / found.left.size))
 
 
 def _free(match: Match, found: Found) -> float:
@@ -114,6 +174,7 @@ def _fitted(
     seed: int,
     notes: tuple[str, ...],
     progress: Callable[[int, int], None] | None,
+    tilts: list[Tilt],
 ) -> Fit:
     n = len(free)
     done = [0]
@@ -123,11 +184,14 @@ def _fitted(
         if progress is not None:
             progress(min(done[0], STAGES), STAGES + 1)
 
-    match, found, ratio, over = _searched(match, film, told)
+    end = _searched(match, film, seed, told)
+    match, found, ratio, over = end.match, end.found, end.ratio, end.over
     alike = max(match.share.values())
+    if ratio < WRONG and found.short < OPEN:
+        found = integrated(match.problem(), found, told)
     if alike > 1.2:
         notes = (*notes, ALIKE.format(alike))
-    if ratio > 1 + CHANCE * np.sqrt(2 * alike / found.left.size):
+    if ratio > 1 + CHANCE * _chance(match, found):
         notes = (
             *notes,
             f"the best run leaves {np.sqrt(ratio):.3g} times the noise, more than chance allows: it is not "
@@ -139,8 +203,13 @@ def _fitted(
             f"frames are so far apart that differences in time show {over:.2g} times the noise; it was taken "
             "from what the run leaves instead",
         )
+    if end.starts > 1:
+        notes = (*notes, f"the search was begun {end.starts} times, from other parameters and states")
     x = found.x
     covariance = found.covariance * max(ratio, 1.0)
+    if tilts:
+        P, u = _waves(match, x)
+        covariance = covariance + displaced(match.layout.grid, match.arrays, film, (P, u), found.gain, tilts)
     deviation = np.sqrt(np.diag(covariance))
     values = np.exp(x[:n])
     logs = dict(zip(free, deviation.tolist(), strict=True))
@@ -181,13 +250,19 @@ def _fitted(
     )
 
 
+def _waves(match: Match, x: Array) -> tuple[Any, Any]:
+    """Return the waves of P and u at the film's times."""
+    with double():
+        dt = match.step(x, DT, QUICK * DT / COARSE)
+        P, u = fields(match.layout, match.arrays, jnp.asarray(x), dt, "float64")
+        return np.asarray(waves(P)), np.asarray(waves(u))
+
+
 def _predicted(match: Match, film: Film, x: Array) -> Any:
     import xarray
 
     arrays = match.arrays
-    with double():
-        P, u = fields(match.layout, arrays, jnp.asarray(x), match.step(x, DT, QUICK * DT / COARSE), "float64")
-        P, u = (np.asarray(waves(f)) for f in (P, u))
+    P, u = _waves(match, x)
     there = np.einsum("am,tcmn,bn->tcab", arrays.around, P, arrays.along).real
     flow = np.einsum("camn,tcmn,bn->tcab", arrays.windows, u, arrays.along).real
     dims = ("time", "component", "theta", "z")

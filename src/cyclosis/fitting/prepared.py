@@ -15,8 +15,9 @@ from ..model.grid import Array, CylinderGrid
 from .compared import Arrays, Layout, columns, misfit
 from .film import Film
 from .noise import left, shared, size, variance
+from .problem import Mask, Problem
 from .result import ORDER
-from .search import Problem
+from .search import NARROW, WIDTH
 from .windows import Window, averaging
 
 POINTS, DT, COARSE = 32, 0.125, 0.5
@@ -37,8 +38,16 @@ START = {
     "U": 1.0,
 }
 """Where the search begins: the paper's values. The prior is a factor e either way."""
-WIDTH = 2.5
-"""Wave number at which the prior of P begins to fall off, before the film has told it."""
+SEEN = 0.04, 0.08, 0.16, 0.02
+"""Shares of the largest rms of u from which it counts as seen, start by start."""
+ACROSS, ALONG = (0.2, 0.6), 1.6
+"""rms of the components of P when u is seen, as shares of what u alone shows, the first start by start:
+repulsion has damped it or not, and streams against each other, or that diverge, do not show in u."""
+APART = 0.5
+"""Standard deviation by which later starts are shifted, as a share of the prior's. With less they end in the
+same basin as the first."""
+RIDGE = 0.05
+"""Variance that is left of the first state where u is first seen."""
 SHARE = 24
 """Columns of the Jacobian that are computed together."""
 MOST = 200_000
@@ -52,7 +61,8 @@ class Match:
     """A film prepared for matching.
 
     `squares` are k² of the waves of the initial state that are used, `share` the number of vectors that count
-    as one, by field, `peaks` the largest size of each field, and `shapes` those of the film's arrays.
+    as one, by field, `peaks` the largest size of each field, and `shapes` those of the film's arrays. `age`
+    is the time from the first frame to that in which u is first seen.
     """
 
     layout: Layout
@@ -61,6 +71,7 @@ class Match:
     share: dict[str, float]
     peaks: dict[str, float]
     shapes: dict[str, tuple[int, ...]]
+    age: float = 0.0
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -73,7 +84,7 @@ class Match:
         single = jax.tree.map(_single, arrays)
         n = len(layout.free)
 
-        last: list[Array] = []
+        last: list[Any] = []
         shortest = [DT]
 
         def stepped(x: Array) -> float:
@@ -81,21 +92,26 @@ class Match:
             shortest[0] = self.step(x, shortest[0], QUICK * DT / COARSE)
             return shortest[0]
 
-        def jacobian(x: Array) -> Array:
-            if last and np.array_equal(last[0], x):  # the next stage begins where one ended
-                return last[1]
-            unit = np.eye(-(-x.size // SHARE) * SHARE, x.size, dtype=np.float32)
+        def jacobian(x: Array, used: Mask) -> Array:
+            if last and np.array_equal(last[0], x) and np.array_equal(last[1], used):
+                return last[2]  # the next stage begins where one ended
+            columns_of = np.flatnonzero(used)
+            unit = np.zeros((-(-columns_of.size // SHARE) * SHARE, x.size), np.float32)
+            unit[np.arange(columns_of.size), columns_of] = 1.0
             at, dt = jnp.asarray(x, jnp.float32), stepped(x) * COARSE / DT
             shares = [
                 columns(layout, single, at, unit[k : k + SHARE], dt, "float32")
-                for k in range(0, x.size, SHARE)
+                for k in range(0, len(unit), SHARE)
             ]
-            last[:] = x, np.concatenate([np.asarray(share) for share in shares])[: x.size]
-            return last[1]
+            slopes: Any = np.zeros((x.size, sum(self.sizes.values())), np.float32)
+            slopes[columns_of] = np.concatenate([np.asarray(share) for share in shares])[: columns_of.size]
+            last[:] = x, used, slopes
+            return np.asarray(slopes)
 
         mean = [np.mean(wave**2, axis=0) for wave in arrays.waves]
         peaks = [self.peaks[name] / np.asarray(arrays.sigma[name]) for name in layout.fields]
         kept = arrays.kept
+        times = np.array(layout.times) - self.age
         return Problem(
             lambda x: np.asarray(misfit(layout, arrays, x, stepped(x), "float64")),
             jacobian,
@@ -104,7 +120,29 @@ class Match:
             np.tile(mean[0][kept[0]] * mean[1][kept[1]], 2),
             np.repeat([0, 1], self.squares.size),
             np.concatenate(peaks),
+            np.concatenate(
+                [
+                    times[np.asarray(arrays.at[name]) // int(np.prod(self.shapes[name][1:]))]
+                    for name in layout.fields
+                ]
+            ),
+            np.concatenate([np.full(size, self.share[name]) for name, size in self.sizes.items()]),
+            self.growth,
         )
+
+    def growth(self, logs: Array) -> tuple[Array, Array]:
+        """Return what disorder grows by up to the age, as exponents of all waves, and their slopes."""
+        given = dict(zip(self.layout.fixed, self.arrays.fixed, strict=True))
+        given |= dict(zip(self.layout.free, np.exp(np.clip(logs, -20, 20)), strict=True))
+        along = given.get("repulsion_angle", 0.0)
+        across = np.repeat([np.cos(along) ** 2, np.sin(along) ** 2], self.squares.size)
+        ones = np.ones(across.size)
+        terms = {"alpha_p": ones, "d_r": -ones, "kappa": -across, "d_s": -np.tile(self.squares, 2)}
+        terms = {name: given[name] * given["U"] * self.age * term for name, term in terms.items()}
+        whole: Array = np.sum(list(terms.values()), axis=0)
+        terms["U"] = whole
+        slopes = np.array([terms.get(name, np.zeros(across.size)) for name in self.layout.free])
+        return whole, slopes.reshape(len(self.layout.free), across.size)
 
     def step(self, x: Array, longest: float, quick: float) -> float:
         """Return a step in R/U that the rates of some parameters allow, from a ladder of halves."""
@@ -238,28 +276,47 @@ def peak(field: Array, known: npt.NDArray[np.bool_]) -> float:
     return float(np.quantile(np.sqrt((field**2).sum(axis=1))[known], 0.999))
 
 
-def begin(match: Match, film: Film, problem: Problem, size: float) -> Array:
-    """Return unknowns near the film: |P|² P is about u where it was seen, and smooth elsewhere."""
+def _seen_at(film: Film, share: float) -> int:
+    """Return the first frame in which u is seen; 0 if P was measured, too."""
+    if film.P is not None or film.u is None:
+        return 0
+    pairs = zip(film.u, film.known, strict=True)
+    square = np.array([np.mean(u[:, known] ** 2) if known.any() else 0.0 for u, known in pairs])
+    return int(np.argmax(square >= share**2 * square.max()))
+
+
+def begin(match: Match, film: Film, start: int, seed: int) -> tuple[Match, Array, Array]:
+    """Return where one of several searches begins: the film from another age on, y there, and sizes of P.
+
+    |P|² P is about u where it was seen, and smooth elsewhere. All but the first two are shifted by chance.
+    """
     assert film.u is not None
-    arrays = match.arrays
-    early = slice(0, min(3, film.frames))
+    at = _seen_at(film, SEEN[start % len(SEEN)])
+    match = replace(match, age=float(film.times[at] - film.times[0]))
+    problem, arrays = match.problem(), match.arrays
+    early = slice(max(at - 1, 0), at + 2)
     count = film.known[early].sum(axis=0)
     seen = count > 0
     mean = np.where(film.known[early][:, None], film.u[early], 0.0).sum(axis=0)[:, seen] / count[seen]
     P = mean / np.maximum(np.hypot(*mean), 1e-12) ** (2 / 3)
     if film.angle is not None:
-        along = np.stack([np.sin(film.angle[0]), np.cos(film.angle[0])])[:, seen]
+        along = np.stack([np.sin(film.angle[at]), np.cos(film.angle[at])])[:, seen]
         along = along * np.sign((along * mean).sum(axis=0))
         P = np.where(np.isfinite(along), np.hypot(*P) * along, P)
+    sizes = np.array([ACROSS[start % len(ACROSS)], ALONG])
     if film.P is not None:
         P = np.where(film.known[early][:, None], film.P[early], 0.0).sum(axis=0)[:, seen] / count[seen]
+        sizes = np.ones(2)
+    sizes = sizes * np.clip(np.sqrt(np.mean((P**2).sum(axis=0))), 0.01, 1.0)
     # Ridge regression of the window's values on the prior's waves.
     orders = [(wave.shape[1] - 1) // 2 for wave in arrays.waves]
     left = _real_waves(film.theta, orders[0])
     right = _real_waves(2 * np.pi / match.layout.grid.length * film.z, orders[1])
-    design = left[:, None, arrays.kept[0]] * right[None, :, arrays.kept[1]]
-    design = design[seen]
-    scale = problem.scale(np.full(2, size), WIDTH)[problem.logs :][: design.shape[1]]
-    design, ridge = design * scale, 0.05
-    solve = np.linalg.solve(design.T @ design / ridge + np.eye(scale.size), design.T @ P.T / ridge)
-    return np.concatenate([problem.begin, (scale * solve.T).ravel()])
+    design = (left[:, None, arrays.kept[0]] * right[None, :, arrays.kept[1]])[seen]
+    y, prior = [problem.begin], problem.scale(sizes, WIDTH)
+    prior[: problem.logs] = NARROW
+    for scale, along in zip(np.split(prior[problem.logs :], 2), P, strict=True):
+        waves = design * scale
+        y.append(scale * np.linalg.solve(waves.T @ waves + RIDGE * np.eye(scale.size), waves.T @ along))
+    shift = APART * prior * np.random.default_rng([seed, start]).normal(size=prior.size) if start > 1 else 0.0
+    return match, np.concatenate(y) + shift, sizes

@@ -1,19 +1,23 @@
-"""The most probable run behind a film: damped Gauss-Newton steps, first to a blurred likelihood, then to it.
+"""The most probable run behind a film: damped Gauss-Newton steps, first to its early frames, then to all.
 
-The unknowns x are logarithms of parameters and Fourier coefficients of P at the first frame, with a Gaussian
-prior of mean x_0 and deviations s. Half of
+Half of
 
     Σ (u_model - u)²/(σ² + b²) + Σ (x - x_0)²/s²
 
-is minimised for b that falls to 0: with a large b the first steps see the large streams only, and do not
-follow the noise of early frames into a wrong state. The Jacobian is exact (forward differentiation), because
-gradients alone (L-BFGS) need thousands of runs: the combinations of parameters differ by a factor 100 in how
-well they are known.
+is minimised over the unknowns of a `Problem`, with prior means x_0 and deviations s. The Jacobian is exact
+(forward differentiation), because gradients alone (L-BFGS) need thousands of runs: the combinations of
+parameters differ by a factor 100 in how well they are known.
 
-The amplitudes a and the width K of the prior of P, s_k = a exp(-k²/2K²), are those of the largest evidence:
-the probability of the film with the unknowns integrated out, in the normal approximation. Each component of P
-has its own amplitude: while disorder orders, repulsion damps one of them, and all waves of both grow or decay
-as exp(-(d_s k² + ...)t).
+`approached` comes near the minimum. Where P has saturated its size does not tell what it was before, so that
+frames are added bit by bit: from those in which u is first seen, and disorder still grows, to the last one.
+The blur b stays at a share of the peak, and the parameters near their means. A start from which the film is
+not matched is given up.
+
+`ended` goes to the minimum with the whole film and the noise as it is. The amplitudes a and the width K of
+the prior of P, s_k = a exp(-k²/2K²), are those of the largest evidence there: the probability of the film
+with the unknowns integrated out, in the normal approximation. Each component of P has its own amplitude:
+while disorder orders, repulsion damps one of them, and all waves of both grow or decay as
+exp(-(d_s k² + ...)t).
 """
 
 from __future__ import annotations
@@ -26,13 +30,25 @@ import numpy as np
 import numpy.typing as npt
 
 from ..model.grid import Array
+from .problem import Mask, Problem
 
-BLUR, FALL = 0.25, 4.0
-"""The first blur, as a share of the peak of u, and the factor by which it falls from stage to stage."""
-TRIES, MOST = 8, 15
-"""Damped trials per step, and steps in a stage."""
+BLUR = 1 / 16
+"""The blur, as a share of the peak of u."""
+SPAN = 1.0
+"""Time in R/U after u is first seen that the first stage follows; each later one follows twice as much."""
+NARROW = 0.5
+"""Prior deviation of the logarithms of parameters while the end is approached."""
+WIDTH = 2.0
+"""Wave number at which the prior of P begins to fall off, before the film has told it."""
+UNUSED = 0.03
+"""Prior deviation of a wave, as a share of the largest, below which it is left out of the approach."""
+LEFT, CHANCE = 0.05, 4.0
+"""What χ²/N of an approach may exceed 1 by: a share for the prior that is not yet known, and standard
+deviations for chance."""
+TRIES, MOST, EARLY = 8, 15, 8
+"""Damped trials per step, and most steps in a stage of the end and of the approach."""
 CLOSE, CLOSED = 0.5, 1e-3
-"""Expected gains at which a blurred stage and the last one end: twice this is the squared distance to the
+"""Expected gains at which a stage and the last one end: twice this is the squared distance to the
 minimum in standard deviations."""
 STALE, WORTH, AIM = 8, 0.3, 0.1
 """Most steps with the same slopes, the share of the expected gain below which these are computed again, and
@@ -45,41 +61,10 @@ WIDTHS, SIZES = (1.0, 4.0), (0.003, 0.5)
 """Bounds of K, in waves per radian, and of the root mean square of P by the prior."""
 
 
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """What is minimised: `misfit(x)` is (u_model - u)/σ, `jacobian(x)` its slopes, one row per unknown.
-
-    The first `logs` unknowns have the prior mean `begin` and deviation 1, all others mean 0. `squares` are
-    k² of those, `weights` the mean square of their waves, 1 or 1/2 or 1/4, and `component` (0, 1, ...) says
-    to which component of P they belong. `peak` is that of u in σ.
-    """
-
-    misfit: Callable[[Array], Array]
-    jacobian: Callable[[Array], Array]
-    begin: Array
-    squares: Array
-    weights: Array
-    component: npt.NDArray[np.intp]
-    peak: Array
-
-    @property
-    def logs(self) -> int:
-        """The number of parameters."""
-        return self.begin.size
-
-    @property
-    def components(self) -> int:
-        """The number of components of P."""
-        return int(self.component.max()) + 1
-
-    def scale(self, sizes: Array, width: float) -> Array:
-        """Return the deviations of all unknowns.
-
-        `sizes` are the root mean squares of the components of P, and `width` is up to where waves reach.
-        """
-        fall = np.exp(-self.squares / (2 * width**2))
-        power = np.bincount(self.component, self.weights * fall**2)
-        return np.concatenate([np.ones(self.logs), fall * (sizes / np.sqrt(power))[self.component]])
+WIDTHS, SIZES = (1.0, 4.0), (0.003, 0.5)
+"""Bounds of K, in waves per radian, and of the root mean square of P by the prior."""
+Slopes = tuple[Array, Array, Array]
+"""The slopes, the misfit and x - x_0 at a point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +72,8 @@ class Found:
     """The end of a search: `x`, the covariance of the logarithms, the misfit, and what x took of N values.
 
     `short` is the gain that one more step was expected to bring: the search has ended where it is small.
+    `evidence` is the logarithm of that of the film, apart from a constant, and `gain` (logs, values)
+    takes what is added to the misfit to what it moves.
     """
 
     x: Array
@@ -96,38 +83,73 @@ class Found:
     short: float
     sizes: Array
     width: float
+    evidence: float
+    gain: Array
 
 
-def search(
+@dataclass(frozen=True, eq=False)
+class Near:
+    """The end of an approach: `y`, the deviations of its prior, stages that were passed, χ²/N of the last.
+
+    It `fits` if all frames were matched.
+    """
+
+    y: Array
+    scale: Array
+    stages: int
+    ratio: float
+    fits: bool
+
+
+def approached(
+    problem: Problem,
+    y: Array,
+    sizes: Array,
+    told: Callable[[], None],
+    *,
+    patient: bool = False,
+) -> Near:
+    """Return unknowns near the most probable ones, in y. Unless it is `patient` it may give up before."""
+    later = problem.later()
+    scale = later.scale(sizes, WIDTH)
+    scale[: later.logs] = NARROW
+    used = scale > UNUSED * scale[later.logs :].max(initial=0.0)
+    blurred = 1 / np.sqrt(1 + (BLUR * problem.peak) ** 2)
+    span, stage, last = SPAN, 0, float(problem.since.max(initial=0.0))
+    while True:
+        weight = np.where(problem.since <= span + 1e-9, blurred, 0.0)
+        y, (_, left, _) = _descended(later, y, scale, weight, used, CLOSE, DAMPING[bool(stage)], EARLY, told)
+        ratio = float((left**2 * problem.alike).sum() / (weight**2).sum())
+        count = np.count_nonzero(weight) / float(problem.alike.max())
+        fits = ratio < 1 + LEFT + CHANCE * np.sqrt(2 / count)
+        if span >= last or not (fits or patient):
+            return Near(y, scale, stage, ratio, bool(fits))
+        # A last stage that would add little is joined to the one before.
+        span, stage = 2 * span if 2.5 * span < last else last, stage + 1
+
+
+def ended(
     problem: Problem,
     x: Array,
     sizes: Array,
     width: float,
     told: Callable[[], None],
     *,
-    blurred: bool = True,
+    known: bool = False,
 ) -> Found:
-    """Return the most probable unknowns, from x and the prior of some sizes and a width.
-
-    Without `blurred` x is taken to be near them.
-    """
-    mean = np.concatenate([problem.begin, np.zeros(x.size - problem.logs)])
-    scale = problem.scale(sizes, width)
-    for stage, blur in enumerate(_blurs(problem.peak)[0 if blurred else -1 :]):
-        weight = 1 / np.sqrt(1 + blur**2)
-        last = not np.any(blur)
-        for again in range(2 if last else 1):
-            x, parts = _descended(
-                problem, x, mean, scale, weight, CLOSED if last else CLOSE, DAMPING[bool(stage)], told
-            )
-            if stage and not again:
-                sizes, width = _evident(problem, parts, sizes, width)
-                scale = problem.scale(sizes, width)
-    slopes, left, _ = parts
+    """Return the most probable unknowns, from x near them and a prior, which is final if it is `known`."""
+    used, whole = np.ones(x.size, bool), np.ones(problem.peak.size)
+    for again in range(1 if known else 3):
+        scale = problem.scale(sizes, width)
+        close = CLOSE if again < 2 and not known else CLOSED
+        x, parts = _descended(problem, x, scale, whole, used, close, DAMPING[1], MOST, told)
+        if again < 2 and not known:
+            sizes, width = _evident(problem, parts, sizes, width)
+    slopes, left, away = parts
     white = scale[:, None] * slopes
     hessian = white @ white.T + np.eye(x.size)
     inverse: Array = np.asarray(np.linalg.inv(hessian), np.float64)
-    slope = white @ left + (x - mean) / scale
+    slope = white @ left + away / scale
     n = problem.logs
     return Found(
         x,
@@ -137,29 +159,24 @@ def search(
         0.5 * float(slope @ inverse @ slope),
         sizes,
         width,
+        -0.5 * float(left @ left + ((away / scale) ** 2).sum() + np.linalg.slogdet(hessian)[1]),
+        -(inverse[:n] @ white),
     )
-
-
-def _blurs(peak: Array) -> list[Array]:
-    """Return b/σ of every value, stage by stage."""
-    out, share = [], BLUR
-    while share * float(np.median(peak)) > 1.0:
-        out.append(share * peak)
-        share /= FALL
-    return [*out, np.zeros_like(peak)]
 
 
 def _descended(
     problem: Problem,
     x: Array,
-    mean: Array,
     scale: Array,
     weight: Array,
+    used: Mask,
     close: float,
     damping: float,
+    most: int,
     told: Callable[[], None],
-) -> tuple[Array, tuple[Array, Array, Array]]:
-    """Return the minimum of one stage, and the slopes, the misfit and x - x_0 there."""
+) -> tuple[Array, Slopes]:
+    """Return the minimum of one stage, and what was last known of it."""
+    mean = problem.mean
 
     def cost(x: Array) -> tuple[Array, float]:
         left = problem.misfit(x) * weight
@@ -169,8 +186,8 @@ def _descended(
         return left, value if np.isfinite(value) else np.inf
 
     left, value = cost(x)
-    for _ in range(MOST):
-        slopes = problem.jacobian(x) * weight
+    for _ in range(most):
+        slopes = problem.jacobian(x, used) * weight
         told()
         white = scale[:, None] * slopes
         square = white @ white.T
@@ -200,9 +217,7 @@ def _descended(
     return x, (slopes, left, x - mean)
 
 
-def _evident(
-    problem: Problem, parts: tuple[Array, Array, Array], sizes: Array, width: float
-) -> tuple[Array, float]:
+def _evident(problem: Problem, parts: Slopes, sizes: Array, width: float) -> tuple[Array, float]:
     """Return the sizes and the width of the prior of P with the largest evidence, linearised here."""
     from scipy.optimize import minimize
 
