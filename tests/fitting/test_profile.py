@@ -6,6 +6,7 @@ import xarray
 
 import cyclosis as cy
 from cyclosis.fitting import steady
+from cyclosis.fitting.result import of_logarithms
 
 ANGLES = np.radians(np.linspace(-70, 70, 40))
 STATE = cy.stability.cyclosis(cy.Parameters(), n_theta=128)
@@ -34,6 +35,11 @@ def test_slopes_equal_differences_of_steady_states():
         ]
         for j, found in enumerate((slopes.P, slopes.u)):
             assert found[:, k] == pytest.approx((ends[0][j] - ends[1][j]) / (2 * h), abs=1e-8), name
+
+    ends = [STATE.at(ANGLES, 0.3 + s * h) for s in (1, -1)]
+    for j, found in enumerate((slopes.P, slopes.u)):
+        assert found[:, 6] == pytest.approx((ends[0][j] - ends[1][j]) / (2 * h), abs=1e-6), "zone"
+        assert found[:, 5] == pytest.approx([0 * P, FLOW][j], abs=1e-8), "U"
 
 
 def test_the_null_vector_is_a_common_factor_of_four_parameters():
@@ -65,6 +71,17 @@ def test_intervals_of_a_profile_contain_the_truth():
             low, high = fit.interval[name]
             hits.append(low < truth < high)
     assert np.mean(hits) >= 0.8
+
+
+def test_intervals_of_logarithms_hold_95_of_100_draws():
+    names, values, deviations = ("mu", "U"), {"mu": 0.05, "U": 2.0}, {"mu": 0.3, "U": 0.01}
+    estimate, interval = of_logarithms(names, values, deviations, ())
+    rng = np.random.default_rng(0)
+    for name in names:
+        draws = values[name] * np.exp(deviations[name] * rng.normal(size=200_000))
+        assert np.mean(draws < interval[name][0]) == pytest.approx(0.025, abs=0.002)
+        assert np.mean(draws > interval[name][1]) == pytest.approx(0.025, abs=0.002)
+        assert estimate[name] == values[name]
 
 
 def test_a_profile_that_is_none_is_refused():

@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import xarray
 
 import cyclosis as cy
 from cyclosis.observations import View, observe
+from cyclosis.observations.microscope import tracers
 from cyclosis.observations.microscope.body import body_of
 from cyclosis.observations.microscope.camera import Camera, framing
 from cyclosis.observations.microscope.observe import FORMATS
@@ -206,6 +208,34 @@ def test_fast_water_wraps_and_thick_slices_average():
     thick = shown("mrv", noise_mm_per_s=0.0, slice_um=period).data["speed"].values[0]
     rows = np.where(inside, thick, np.nan)
     assert np.nanmax(np.abs(rows - rows[:, ::-1])) < 2e-3  # the wave along z is gone; sin θ is symmetric
+
+
+def test_half_a_period_leaves_two_over_pi_of_its_wave():
+    """The mean of cos q z over half of its period is 2/π of its peak."""
+    period = 1000 * LENGTH * 0.5
+    options = {"noise_mm_per_s": 0.0, "slice_z": 0.7, "points": 24}
+    thin, half, whole = (
+        shown("mrv", slice_um=share * period, **options).data["speed"].values[0] for share in (0.0, 0.5, 1.0)
+    )
+    wave = (thin - whole)[8:16, 8:16]
+    assert np.abs(wave).max() > 0.003
+    np.testing.assert_allclose((half - whole)[8:16, 8:16], 2 / np.pi * wave, atol=1e-6)
+
+
+def test_particles_are_carried_by_a_method_of_fourth_order(monkeypatch):
+    """In u = (1 + t) e_z x r a particle turns by t + t²/2."""
+    body = SimpleNamespace(
+        times=[0.0, 1.0],
+        velocity=lambda at, t: (1 + t) * np.stack([-at[1], at[0], 0 * at[2]]),
+        held=lambda at: at,
+    )
+    off = []
+    for longest in (0.2, 0.1):
+        monkeypatch.setattr(tracers, "FARTHEST", longest)
+        end = tracers.carried(body, np.array([[1.0], [0.0], [0.3]]), 0.0, 2.0)
+        off.append(np.abs(end[:, 0] - [np.cos(4.0), np.sin(4.0), 0.3]).max())
+    assert off[1] < 1e-3
+    assert np.log2(off[0] / off[1]) == pytest.approx(4.0, abs=0.4)
 
 
 def table(path, skip, delimiter=None):
