@@ -73,6 +73,19 @@ def test_intervals_of_a_profile_contain_the_truth():
     assert np.mean(hits) >= 0.8
 
 
+def test_the_angle_of_the_zone_is_one_unknown_more():
+    """One side of a zone: covariances are those of the inverse information of all unknowns together."""
+    side, noise, names = slice(0, 24), 0.005, ("alpha_u", "d_s", "d_r", "mu")
+    fit = cy.fit(measured(noise, order=True).isel(theta=side), names, {"alpha_p": 1.0, "U": 1.0})
+    found = steady.slopes(STATE, 1.0, ANGLES[side], 0.3)
+    columns = [*(steady.NAMES.index(name) for name in names), 6]
+    rows = np.vstack([found.P, found.u])[:, columns] * np.sqrt(200) / noise
+    together, alone = (np.linalg.inv(r.T @ r) for r in (rows, rows[:, :-1]))
+    size = np.outer(*[list(fit.estimate.values())] * 2)
+    assert fit.covariance / size == pytest.approx(together[:-1, :-1], rel=0.2, abs=1e-6)
+    assert alone[1, 1] < 0.5 * together[1, 1]  # as if the zone's angle were known
+
+
 def test_intervals_of_logarithms_hold_95_of_100_draws():
     names, values, deviations = ("mu", "U"), {"mu": 0.05, "U": 2.0}, {"mu": 0.3, "U": 0.01}
     estimate, interval = of_logarithms(names, values, deviations, ())
