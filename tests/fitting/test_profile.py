@@ -6,7 +6,7 @@ import xarray
 
 import cyclosis as cy
 from cyclosis.fitting import steady
-from cyclosis.fitting.result import of_logarithms
+from cyclosis.fitting.result import Fit, of_logarithms
 
 ANGLES = np.radians(np.linspace(-70, 70, 40))
 STATE = cy.stability.cyclosis(cy.Parameters(), n_theta=128)
@@ -95,6 +95,30 @@ def test_intervals_of_logarithms_hold_95_of_100_draws():
         assert np.mean(draws < interval[name][0]) == pytest.approx(0.025, abs=0.002)
         assert np.mean(draws > interval[name][1]) == pytest.approx(0.025, abs=0.002)
         assert estimate[name] == values[name]
+
+
+def test_values_in_physical_units_are_those_of_the_scales():
+    """What a fit prints, with a U of 0.8 times the unit of the data, against `Scales`."""
+    params = cy.Parameters(kappa=0.3, mu=0.06)
+    estimate = {name: getattr(params, name) for name in ("alpha_p", "alpha_u", "d_s", "d_r", "kappa", "mu")}
+    given = cy.Scales(400.0, 90.0, 2e4)
+    fit = Fit("film", estimate | {"U": 0.8}, dict.fromkeys([*estimate, "U"], (0.0, 1.0)), None, np.eye(7), (),
+              1.0, 1.0, scales=given)  # fmt: skip
+    told = {row.split()[0]: row.partition("(")[2].split() for row in repr(fit).splitlines() if "(" in row}
+    cell = cy.Scales(400.0, 0.8 * 90.0, 2e4).to_physical(params)
+    expected = {
+        "alpha_p": (cell.bundling_per_s, "per s)"),
+        "alpha_u": (cell.flow_alignment_per_um, "per µm)"),
+        "d_s": (cell.spatial_diffusion_um2_per_s, "µm²/s)"),
+        "d_r": (cell.rotational_diffusion_per_s, "per s)"),
+        "kappa": (cell.repulsion_per_s, "per s)"),
+        "mu": (cell.layer_viscosity_Pa_s_m, "Pa s m at this friction)"),
+        "U": (0.8 * 90.0, "µm/s)"),
+    }
+    assert told.keys() == expected.keys()
+    for name, (value, unit) in expected.items():
+        assert float(told[name][0]) == pytest.approx(value, rel=1e-3), name
+        assert " ".join(told[name][1:]) == unit
 
 
 def test_a_profile_that_is_none_is_refused():

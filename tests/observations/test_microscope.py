@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray
+from scipy.ndimage import maximum_filter
 
 import cyclosis as cy
 from cyclosis.observations import View, observe
@@ -14,7 +15,7 @@ from cyclosis.observations.microscope import tracers
 from cyclosis.observations.microscope.body import body_of
 from cyclosis.observations.microscope.camera import Camera, framing
 from cyclosis.observations.microscope.observe import FORMATS
-from cyclosis.observations.microscope.orientation import structure
+from cyclosis.observations.microscope.orientation import _directions, structure
 from measure.commandline import said
 from observed import LENGTH, RUN, velocity
 
@@ -164,6 +165,33 @@ def test_the_texture_lies_along_the_filaments():
     turned = np.degrees(np.arctan(np.tan(off)))
     assert abs(turned.mean()) < 1.0
     assert np.median(np.abs(turned)) < 5.0  # filaments themselves scatter by 25 degrees at |P| = 0.9
+
+
+def test_the_mean_of_the_filaments_is_P():
+    """Their directions lie on the surface and have unit length."""
+    body, rng = body_of(RUN), np.random.default_rng(0)
+    xyz = body.scattered(4000, rng)
+    for share in (1.0, 0.3):
+        less = SimpleNamespace(normal=body.normal, filaments=lambda at, t: share * body.filaments(at, t))  # noqa: B023
+        drawn = _directions(less, xyz, 0.0, rng)
+        assert np.abs(np.linalg.norm(drawn, axis=0) - 1).max() < 1e-12
+        assert np.abs((drawn * body.normal(xyz)).sum(axis=0)).max() < 1e-12
+        P = less.filaments(xyz, 0.0)
+        along, size = drawn[2] * np.sign(P[2]), np.abs(P[2])
+        even = np.abs(size - share * 0.9) < 0.02 * share
+        assert even.sum() > 500
+        error = along[even].std() / np.sqrt(even.sum())
+        assert along[even].mean() == pytest.approx(share * 0.9, abs=4 * error)
+
+
+@pytest.mark.parametrize("bright", [True, False])
+def test_rims_of_bright_and_of_dark_cells_are_blurred_the_other_way(bright):
+    """Spots lie inside a bright cell and outside a dark one, and reach half their size across the edge."""
+    rows, _ = np.indices((200, 300))
+    spots = np.random.default_rng(0).random(rows.shape) < 0.05
+    spots &= (np.abs(rows - 95) <= 60) == bright
+    found = cy.observations.rim(maximum_filter(1.0 * spots, 9), kernel_px=9.0)
+    assert found.radius_px == pytest.approx(60.5, abs=2.2)
 
 
 def test_angles_of_stripes_are_counter_clockwise_as_seen():

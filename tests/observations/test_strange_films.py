@@ -131,6 +131,13 @@ def test_a_stage_that_drifts_under_a_stream():
     np.testing.assert_allclose(found[-1], [11.7, -7.8], atol=0.8)
 
 
+def test_the_stage_drifts_in_a_short_film():
+    """Two parts of ten frames each: the drift is that of the frames, from the first to the last."""
+    rest = 4 * gaussian_filter(np.random.default_rng(3).normal(size=(120, 140)), 2.5)
+    found = steady.drift(np.stack([moved(rest, 0.3 * k, -0.2 * k) for k in range(20)]))
+    np.testing.assert_allclose(found[[0, 10, 19]], [[0.0, 0.0], [3.0, -2.0], [5.7, -3.8]], atol=0.3)
+
+
 CASES = {
     "few spots": {"density": 1 / 300},
     "large spots": {"size": 3.5, "density": 1 / 200},
