@@ -282,9 +282,21 @@ def claims() -> str:
     agree, in_part, do_not = tally.values()
     total = agree + in_part + do_not
     out += f"Of {total} claims {agree} agree, {in_part} agree in part and {do_not} do not. "
-    out += "Intervals are 95 %. Each claim leads to all that was measured.\n\n"
+    out += "Intervals are 95 %. Each claim leads to all that was measured. "
+    out += "[The claims by every model](models_compared.md)\n"
+    out += "judges them again where newer physics has something to say.\n\n"
     out += "| the paper's claim | verdict | decisive number | picture |\n|---|---|---|---|\n"
     return out + rows + "\n" + "\n".join(sections)
+
+
+def models_compared() -> str:
+    """Return the page that judges the claims by every model."""
+    spec = spec_from_file_location("compared", HERE / "compared" / "__init__.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules["compared"] = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return str(module.page())
 
 
 def _parts(text: str) -> list[str]:
@@ -473,6 +485,7 @@ PAGES = {
     "api/index.md": api,
     **{f"api/{name}.md": partial(reference, name) for name in REFERENCE},
     "claims.md": claims,
+    "models_compared.md": models_compared,
     "peers.md": peers,
     "../src/cyclosis/explorer/figure5.json": phase_diagram,
 }

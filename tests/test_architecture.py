@@ -102,7 +102,7 @@ GENERIC = (
     "dynamics",
     "dataset",
     "sweep",
-    *(f"ensemble/{n}.py" for n in ("members", "lanes", "run", "scheduled")),
+    *(f"ensemble/{n}.py" for n in ("members", "lanes", "axial_lanes", "packing", "run", "scheduled")),
 )
 """Rooms and files that serve every model."""
 OF_ONE_MODEL = ("analysis", *(f"model/{n}" for n in ("system", "filaments", "spectral", "initial", "moment")))

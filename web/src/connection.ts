@@ -13,11 +13,14 @@ export interface Listener {
   lost(sentence: string, over: boolean): void;
 }
 
-/** The part of a WebSocket that is used. */
+/**
+ * The part of a WebSocket that is used. One to a worker of this page is `local`: it closes if it fails, and is silent
+ * only while the machine is busy.
+ */
 export type Socket = Pick<
   WebSocket,
   'readyState' | 'binaryType' | 'onopen' | 'onclose' | 'onmessage' | 'send' | 'close'
->;
+> & { readonly local?: boolean };
 
 /** Milliseconds: between checks; without a message of the server; to connect; to answer a ping. */
 export const LOOK = 500;
@@ -87,8 +90,8 @@ export class Connection {
     this.over = false;
     this.ended = '';
     this.next = Infinity;
-    this.deadline = this.now() + CONNECTING;
     const socket = this.make();
+    this.deadline = socket.local ? Infinity : this.now() + CONNECTING;
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     socket.onopen = () => {
@@ -139,7 +142,7 @@ export class Connection {
     if (this.over) return;
     if (!this.socket) this.open();
     else if (this.socket.readyState > OPEN) this.lose();
-    else if (this.socket.readyState === OPEN) {
+    else if (this.socket.readyState === OPEN && !this.socket.local) {
       this.send({ do: 'ping' });
       const soon = this.now() + ANSWERING;
       this.deadline = this.deadline > this.now() ? Math.min(this.deadline, soon) : soon;
@@ -210,7 +213,7 @@ export class Connection {
   }
 
   private heard(): void {
-    this.deadline = this.now() + SILENT;
+    this.deadline = this.socket?.local ? Infinity : this.now() + SILENT;
   }
 
   private drop(): void {

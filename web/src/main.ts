@@ -1,7 +1,7 @@
 import 'uplot/dist/uPlot.min.css';
-import './style.css';
+import type { EarlySocket } from './engine/early';
 import { browserAddress, chosenEngine } from './engine/socket';
-import { parted } from './compare/address';
+import { parted } from './compare/parted';
 import { Comparison } from './compare/compare';
 import { diagram } from './panels/diagram';
 import { h } from './panels/dom';
@@ -9,36 +9,36 @@ import { embed, isEmbedded } from './panels/embed';
 import { equation } from './panels/equation';
 import { save } from './panels/exports';
 import { hand } from './panels/hand';
-import { Hub, type Cell } from './panels/hub';
+import type { Cell } from './panels/hub';
 import { insideSwitch, type InsideSwitch } from './panels/inside';
 import { interventions } from './panels/interventions';
-import { key } from './panels/key';
 import { keys } from './panels/keys';
-import { isDark, keptPalette, look } from './panels/look';
+import { isDark, keptPalette } from './panels/dress';
+import { look } from './panels/look';
 import { measures } from './panels/measures';
 import { makeRoom, showFrame } from './panels/arrivals';
 import { newCell } from './panels/newcell';
 import { toaster } from './panels/notices';
-import { now, toggle } from './panels/now';
+import { toggle } from './panels/now';
 import { parameters } from './panels/parameters';
-import { projector } from './panels/projector';
 import { presets } from './panels/presets';
 import { recordButton } from './panels/record';
 import { restsWhileHidden } from './panels/rest';
 import { Unseen } from './panels/seen';
 import { share } from './panels/share';
 import { SpeedMeter } from './panels/speed';
-import { firstPreset } from './panels/story';
 import { tour } from './panels/tour';
 import { traces } from './panels/traces';
 import { worksheet } from './panels/worksheet';
 import { Waits } from './panels/waits';
-import { keepOffline } from './offline';
-import type { About, Ask, Said } from './protocol';
+import { firstCell } from './opening/begin';
+import type { Front } from './opening/front';
+import type { FirstPicture } from './opening/picture';
+import type { Ask, Said } from './protocol';
 import { drawBeside, pngOf } from './scene/picture';
 import { Scene } from './scene/scene';
 import { Session } from './session';
-import { heard, say, spoken } from './words/say';
+import { heard, say } from './words/say';
 
 declare global {
   interface Window {
@@ -46,35 +46,22 @@ declare global {
   }
 }
 
-const app = document.getElementById('app')!;
-
-async function start(): Promise<void> {
-  document.documentElement.dataset.theme = isDark() ? 'dark' : 'light';
-  document.documentElement.lang = spoken();
-  await keepOffline();
-  const answer = await fetch('api/about');
-  if (!answer.ok) throw new Error(say('page.status', { status: answer.status }));
-  build((await answer.json()) as About);
-}
-
-function build(about: About): void {
+/** Build the rest of the page around its front. `early` is the engine that has begun the first cell, if the browser computes it. */
+export function build(app: HTMLElement, front: Front, early: EarlySocket | null, picture: FirstPicture): void {
+  const { about, hub, cylinder, map, stage, panels, handles, screen } = front;
   const { element: toastElement, toast } = toaster();
-  const ask = (message: Ask): void => {
+  front.toast = toast;
+  front.ask = (message) => {
     if (message.do === 'change') scene.expect();
     const whole: Ask = message.do === 'begin' ? { scales: hub.scales, ...message } : message;
     if (!comparison.asks(whole)) session.ask(whole);
   };
-  const hub = new Hub(about, ask, toast);
+  front.drawn = () => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false, wheeled: document.documentElement.classList.contains('wheeled') });
   let inner: InsideSwitch | null = null;
   const meter = new SpeedMeter();
-  const cylinder = h('div', { id: 'cylinder' });
-  const map = h('div', { id: 'map' });
-  const stage = h('section', { id: 'stage', role: 'main', 'aria-label': say('page.stage') }, cylinder, map, key(() => ({ opened: inner?.on ?? false, closed: !hub.model.straight, axial: hub.cell?.outline?.axial !== false, wheeled: document.documentElement.classList.contains('wheeled') })));
-  const header = h('header', {});
-  const panels = h('section', { id: 'panels', 'aria-label': say('page.controls') });
   const charts = traces(hub);
-  const handles = now(hub);
-  app.replaceChildren(header, stage, handles, charts, panels, toastElement);
+  front.charts.replaceWith(charts);
+  app.append(toastElement);
   // Presets can be chosen while another cell is prepared; sharing and appearance concern only the page.
   const holding = ['hand', 'parameters', 'diagram', 'new-cell'].map((id) => `#panel-${id} > .body`).join(', ');
   const waits = new Waits(app, () => [...handles.querySelectorAll<HTMLElement>(':scope > .row:not(.spread)'), ...panels.querySelectorAll<HTMLElement>(holding)]);
@@ -94,10 +81,11 @@ function build(about: About): void {
   });
   scene.onStroke = tools.stroke;
   const unseen = new Unseen((frame) => hub.ask({ do: 'seen', frame }));
-  scene.onDrawn = (frame) => unseen.drawn(frame);
+  scene.onDrawn = (frame) => {
+    picture.remove();
+    unseen.drawn(frame);
+  };
   const guide = tour({ hub, choose: tools.choose });
-  const screen = projector(() => hub.emit('look', null));
-  handles.querySelector('.transport')!.append(screen.leave);
   const help = keys([
     [' ', say('keys.play'), () => toggle(hub)],
     ['.', say('keys.step'), () => hub.ask({ do: 'step' })],
@@ -114,15 +102,9 @@ function build(about: About): void {
     ['?', say('keys.list'), () => help.open()],
   ]);
   const questions = worksheet(hub);
-  header.append(
-    h('h1', {}, 'cyclosis'),
-    h('p', { class: 'motto' }, say('page.motto')),
-    h('nav', { 'aria-label': say('page.help') },
-      screen.enter,
-      h('button', { id: 'questions', onclick: () => questions.open() }, say('worksheet.title')),
-      h('button', { id: 'tour', class: 'main', onclick: () => guide.start() }, say('page.tour')),
-      h('button', { id: 'keys', 'aria-label': say('page.keys'), title: `${say('page.keys')} (?)`, onclick: () => help.open() }, '?')),
-  );
+  front.buttons.questions.onclick = () => questions.open();
+  front.buttons.tour.onclick = () => guide.start();
+  front.buttons.keys.onclick = () => help.open();
   panels.append(
     presets(hub), tools.element, parameters(hub), diagram(hub), comparison.panel.element, interventions(hub),
     share(hub, () => pngOf(comparison.canvases(true), cylinder), recordButton(hub, {
@@ -148,6 +130,7 @@ function build(about: About): void {
     else if (said.type === 'hash') hub.emit('hash', said);
     else if (said.type === 'curves') hub.emit('curves', said);
   };
+  const engine = chosenEngine();
   const session = new Session({
     hub,
     waits,
@@ -164,17 +147,13 @@ function build(about: About): void {
       scene.playing = false;
       unseen.forget();
     },
-    first: () => {
-      const { link } = parted(location.hash);
-      const preset = firstPreset(about.presets)?.name;
-      return link ? { do: 'begin', link } : preset ? { do: 'begin', preset } : { do: 'begin', setup: {} };
-    },
+    first: () => firstCell(about, location.hash),
     moved: () => {
       comparison.moved();
       // Opened again, the address computes the cell in the browser too.
       history.replaceState(null, '', browserAddress());
     },
-  }, chosenEngine());
+  }, engine && (() => early?.join() ?? engine()));
   restsWhileHidden(hub, () => session.isOpen);
   if (isEmbedded()) embed(hub, stage);
   app.append(guide.element, help.element, questions.element, session.banner);
@@ -195,10 +174,6 @@ function build(about: About): void {
     }),
     latest: () => hub.cell,
   };
+  front.waits(false);
   session.open();
 }
-
-start().catch((error: unknown) => {
-  const reason = error instanceof Error ? error.message : String(error);
-  app.replaceChildren(h('p', { class: 'loading', role: 'alert' }, say('page.failed', { reason })));
-});

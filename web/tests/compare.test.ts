@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { linkAt, otherLink, parted, suffix, valueIn } from '../src/compare/address';
+import { linkAt, otherLink, valueIn } from '../src/compare/address';
+import { parted, suffix } from '../src/compare/parted';
 import { joined } from '../src/compare/chart';
 import { called, proposal } from '../src/compare/panel';
 import { Pair } from '../src/compare/pair';

@@ -6,6 +6,7 @@ import type { Ask, Said } from '../src/protocol';
 
 /** A socket whose server is this test. */
 class Fake implements Socket {
+  local = false;
   readyState = 0;
   binaryType: BinaryType = 'blob';
   onopen: Socket['onopen'] = null;
@@ -129,6 +130,19 @@ describe('a connection', () => {
     expect(waits.slice(0, 5).every((wait, k) => k === 0 || wait >= waits[k - 1]!)).toBe(true);
     expect(Math.max(...waits)).toBeLessThanOrEqual(15_500);
     expect(times.length).toBeGreaterThan(10);
+  });
+
+  it('waits for a worker of the page as long as it takes, and begins again if that fails', () => {
+    last().local = true;
+    last().says({ type: 'alive' });
+    vi.advanceTimersByTime(20 * SILENT);
+    connection.check();
+    vi.advanceTimersByTime(20 * SILENT);
+    expect(told).toEqual([]);
+    last().ends();
+    expect(told).toEqual(['lost']);
+    vi.advanceTimersByTime(20 * SILENT);
+    expect(sockets.length).toBeGreaterThan(1);
   });
 
   it('goes on with its session, and asks again what did not arrive, once and in order', () => {

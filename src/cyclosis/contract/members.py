@@ -89,6 +89,22 @@ class Inquiry(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class AxialPoints:
+    """How a member goes on with fewer points along its axis while it has no short waves along it.
+
+    `fewer(grid)` returns the numbers of points that may be used instead of the grid's, from most to fewest,
+    and `usable(params, grid)` how many of these. `fitted(modes, n)` puts the modes of a state on n points,
+    `tails(modes, numbers)` returns the shares of its amplitude that so many points hold badly or not at all.
+    Both are traceable.
+    """
+
+    fewer: Callable[[Any], tuple[int, ...]]
+    usable: Callable[[Any, Any], int]
+    fitted: Callable[[Any, int], Any]
+    tails: Callable[[Any, tuple[int, ...]], Any]
+
+
+@dataclass(frozen=True, eq=False)
 class Lanes:
     """How members share the lanes of one compiled program.
 
@@ -96,7 +112,8 @@ class Lanes:
     its `largest` |P| and its spectral `tail`; `look` makes a `Look` of it, `look_of_state` one of a state.
     Members with the same `shared(params, grid)` may share lanes: their systems differ only in `values`, and
     `with_values` replaces these. `certain(problem)` returns a function that begins an `Inquiry`; members at
-    the same parameters share it. Without it no final regime can be certified.
+    the same parameters share it. Without it no final regime can be certified. Without `axial` all points are
+    kept.
     """
 
     signs: Callable[[Any, Any], Any]
@@ -106,3 +123,4 @@ class Lanes:
     values: Callable[[Any], Any]
     with_values: Callable[[Any, Any], Any]
     certain: Callable[[Problem], Callable[[], Inquiry]] | None
+    axial: AxialPoints | None = None

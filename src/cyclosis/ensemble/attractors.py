@@ -10,7 +10,7 @@ import numpy as np
 from ..analysis.regimes import regime
 from ..contract.model import Problem
 from ..model.grid import Array, interpolate
-from ..stability.profiles.growth import GrowthRates, along, rates_about
+from ..stability.profiles.growth import GrowthRates, growth_along, rates_about
 from ..stability.profiles.reduced import Reduced, reduced_of
 from ..stability.profiles.steady import Steady, rms, steady
 
@@ -162,4 +162,4 @@ def _confirmed(cell: Problem, line: Reduced, state: Steady) -> bool:
     back = interpolate(np.expand_dims(found.y.reshape(2, -1), 1 + line.axis), both.shape[1:])
     if rms(back.ravel() - state.y) > ALIKE:
         return False
-    return bool(along(finer, found)[0][0].real < -MARGIN)
+    return growth_along(finer, found) < -MARGIN

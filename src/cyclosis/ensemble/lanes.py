@@ -20,6 +20,7 @@ from ..contract.members import Lanes
 from ..contract.system import System
 from ..dynamics.advance import Control, StepperState, length, one_step
 from ..dynamics.steppers import Tableau, tableau
+from .packing import packed
 
 LOWEST, HIGHEST = -16, 10
 """Rungs that are tabulated: steps of 1/256 to 32. A member that needs shorter steps has diverged."""
@@ -31,7 +32,8 @@ class LaneState(NamedTuple):
     """The progress of a member in a lane.
 
     `t` is the time reached, `waits` whether the next step would pass the end, `failed` whether no step was
-    short enough, `peak` the largest |P| so far; `signs` are those of its model.
+    short enough, `peak` the largest |P| so far; `signs` are those of its model. `level` says how many axial
+    points it has, see `axial_lanes`.
     """
 
     t: Any
@@ -39,6 +41,7 @@ class LaneState(NamedTuple):
     failed: Any
     peak: Any
     signs: Any
+    level: Any
 
 
 @jax.jit
@@ -58,20 +61,32 @@ def stacked(members: Sequence[Any]) -> Any:
 @partial(jax.jit, static_argnames="how", donate_argnames="lanes")
 def run_lanes(
     systems: System, control: Control, table: Tableau, lanes: StepperState, t_end: Any, *, how: Lanes
-) -> tuple[StepperState, LaneState]:
-    """Try `CHECK_STEPS` steps in every lane, and return the progress of its member.
+) -> tuple[StepperState, jax.Array]:
+    """Try `CHECK_STEPS` steps in every lane, and return the progress of its member, and a packed `LaneState`.
 
     The values of `systems` that differ and every leaf of `lanes` have a first dimension, the lanes;
     everything else is shared.
     """
 
-    def one(values: Any, now: StepperState) -> tuple[StepperState, LaneState]:
+    def one(values: Any, now: StepperState) -> tuple[StepperState, jax.Array]:
         system = how.with_values(systems, values)
-        now = jax.lax.fori_loop(0, CHECK_STEPS, lambda _, at: _try(system, control, table, at, t_end), now)
-        seen = how.signs(system, now.spectrum)
-        return now, LaneState(now.t, _waits(now, t_end), now.failed, now.peak, seen)
+
+        def step(_: Any, at: StepperState) -> StepperState:
+            return try_step(system, control, table, at, t_end)
+
+        now = jax.lax.fori_loop(
+            0, CHECK_STEPS, lambda _, at: try_step(system, control, table, at, t_end), now
+        )
+        return now, packed(lane_state(system, now, t_end, how=how))
 
     return jax.vmap(one)(how.values(systems), lanes)
+
+
+@partial(jax.jit, static_argnames="how")
+def lane_state(system: System, now: StepperState, t_end: Any, level: Any = 0, *, how: Lanes) -> LaneState:
+    """Return what is seen of a member (traceable)."""
+    signs = how.signs(system, now.spectrum)
+    return LaneState(now.t, _waits(now, t_end), now.failed, now.peak, signs, jnp.asarray(level))
 
 
 def _waits(now: StepperState, t_end: Any) -> Any:
@@ -82,7 +97,8 @@ def _next(now: StepperState) -> Any:
     return length(jnp.clip(now.rung, LOWEST, HIGHEST))
 
 
-def _try(system: System, control: Control, table: Tableau, now: StepperState, t_end: Any) -> StepperState:
+def try_step(system: System, control: Control, table: Tableau, now: StepperState, t_end: Any) -> StepperState:
+    """Try one step of the member's rung, unless it waits or has failed (traceable)."""
     h = _next(now)
     rung = jnp.clip(now.rung, LOWEST, HIGHEST)
     coefficients = Tableau(*(values[rung - LOWEST] for values in table))

@@ -21,6 +21,8 @@ OUTCOMES = ("certified", "completed", "underresolved", "diverged")
 """How a member ended: regime certain, t_end reached, one of these on too coarse a grid, or diverged."""
 FINISH = ("certified", "t_end")
 """When a member is done: once its final regime is certain (or at t_end), or always at t_end."""
+AXIAL_RESOLUTION = ("fixed", "adaptive")
+"""Whether members keep all axial points, or only as many as their state needs."""
 UNCERTIFIED = "set it so: a final regime is not certain if the protocol may still change it"
 """The remedy if members with a protocol were to be certified."""
 MAX_LANES = 1_048_576
@@ -70,6 +72,9 @@ class Member:
 class EnsembleSettings:
     """How members are integrated; see `cyclosis.ensemble.follow`. Times are dimensionless (R/U).
 
+    With `axial_resolution = "adaptive"` a member has at each time only as many points along the axis as its
+    waves along it need, at most n_z, and one lane.
+
     Example:
         >>> import cyclosis as cy
         >>> how = cy.ensemble.EnsembleSettings(t_end=500.0, finish="t_end")
@@ -85,12 +90,19 @@ class EnsembleSettings:
     dealias: str = "none"
     terms: tuple[str, ...] | None = None
     lanes: int | None = None
+    axial_resolution: str = "fixed"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t_end", instant(definition("run", "t_end").check(self.t_end)))
         choice("finish", self.finish, FINISH)
+        choice("axial_resolution", self.axial_resolution, AXIAL_RESOLUTION)
         if self.lanes is not None:
             whole("lanes", self.lanes, 1, MAX_LANES, "leave it out to suit the device")
+        if self.axial_resolution == "adaptive":
+            if self.lanes not in (None, 1):
+                rule = "1 with adaptive axial resolution, where members have different numbers of points"
+                raise InputError("lanes", self.lanes, rule, "leave it out")
+            object.__setattr__(self, "lanes", 1)
         _ = self.run  # checks everything else
         if self.t_end == 0:
             raise InputError("t_end", self.t_end, "greater than 0", "raise it")
@@ -162,6 +174,15 @@ class Outcome:
         """The axial mean of the final state, (2, n_theta)."""
         mean: Array = self.state.mean(axis=2)
         return mean
+
+
+def refuse_adaptive(model: Model, protocol: bool) -> None:
+    """Raise `InputError` if members of this model, or with a protocol, must keep all axial points."""
+    name, remedy = "axial_resolution", "leave it out"
+    if protocol:
+        raise InputError(name, "adaptive", "fixed where there is a protocol, which may act anywhere", remedy)
+    if model.lanes is None or model.lanes.axial is None:
+        raise InputError(name, "adaptive", f"fixed with the model {model.wording}", remedy)
 
 
 def ended(problem: Problem, state: Array) -> Any:

@@ -24,8 +24,19 @@ from ..model.doors import door
 from ..model.errors import InputError
 from ..model.precision import double
 from ..model.reporting import Progress, counted, reported
-from .lanes import LaneState, run_lanes, stacked, tables
-from .members import DISORDERED, UNCERTIFIED, EnsembleSettings, Member, Outcome, ended, uncertain
+from .axial_lanes import levels, run_axial_lane
+from .lanes import LaneState, lane_state, run_lanes, stacked, tables
+from .members import (
+    DISORDERED,
+    UNCERTIFIED,
+    EnsembleSettings,
+    Member,
+    Outcome,
+    ended,
+    refuse_adaptive,
+    uncertain,
+)
+from .packing import unpacked
 from .scheduled import follow_scheduled
 from .scheduled_lanes import ScheduledLanes
 
@@ -54,8 +65,9 @@ def follow(
     share lanes too, whatever the times and values of its steps. `progress` shows a bar in a terminal or a
     notebook unless it is False; a function is called with the numbers of members done and in all.
 
-    Raises `InputError` for states that do not fit their grid, and for a protocol if `finish` is
-    "certified"; problems that occur later are outcomes.
+    Raises `InputError` for states that do not fit their grid, for a protocol if `finish` is "certified" or
+    `axial_resolution` "adaptive", and for models that do not allow these; problems that occur later are
+    outcomes.
 
     Example:
         >>> import cyclosis as cy
@@ -74,6 +86,8 @@ def follow(
         lanes = member.model.lanes
         if how.finish == "certified" and member.protocol:
             raise InputError("finish", how.finish, "t_end where there is a protocol", UNCERTIFIED)
+        if how.axial_resolution == "adaptive":
+            refuse_adaptive(member.model, bool(member.protocol))
         if how.finish == "certified" and not member.model.certifies:
             rule = f"t_end with the model {member.model.wording}, whose final regimes cannot be certified"
             raise InputError("finish", how.finish, rule, "set it so")
@@ -120,15 +134,21 @@ def default_lanes(grid: Any, precision: str) -> int:
 
 @dataclass
 class _Seat:
-    """The member in a lane, and what has been recorded about it so far."""
+    """The member in a lane, and what has been recorded about it so far.
+
+    `usable`, `place` and `last_place` are those of its axial points, see `run_axial_lane`.
+    """
 
     index: int
     system: System
     inquiry: Inquiry | None
     began: float
     watch: Watch
+    usable: int
     looks: list[tuple[float, Look]] = field(default_factory=list)
     tail: float = 0.0
+    place: int = 0
+    last_place: int = 0
 
 
 class _Entry(NamedTuple):
@@ -152,9 +172,11 @@ class _Pool:
             default_lanes(self.grid, how.precision), 2 ** (len(indices) - 1).bit_length()
         )
         self.device: System = jax.device_put(self.model.system(how.problem(first), True))
-        self.control = Control.of(how.rtol, how.atol, self.model.bound)
+        self.control: Control = jax.device_put(Control.of(how.rtol, how.atol, self.model.bound))
         self.table = tables(self.device)
         self.t_end = np.float64(how.t_end)
+        self.axial = self.shares.axial if how.axial_resolution == "adaptive" else None
+        self.levels = () if self.axial is None else levels(how.problem(first), self.axial)
         self.points: dict[Any, tuple[System, Callable[[], Inquiry] | None]] = {}
 
     def run(self) -> Iterator[tuple[int, Outcome]]:
@@ -165,14 +187,15 @@ class _Pool:
         first = next(entry for entry in entries if entry is not None)
         values = stacked([(entry or first).values for entry in entries])
         batch = stacked([_idle(first.state) if entry is None else entry.state for entry in entries])
+        shapes: Any = lane_state
+        like = shapes.eval_shape(self.device, first.state, self.t_end, how=self.shares)
         while any(seats):
-            systems = self.shares.with_values(self.device, values)
-            batch, states = run_lanes(systems, self.control, self.table, batch, self.t_end, how=self.shares)
-            seen = jax.device_get(states)
+            batch, states = self._steps(seats, values, batch)
+            seen = np.asarray(states)
             for lane, seat in enumerate(seats):
                 if seat is None:
                     continue
-                now: LaneState = jax.tree.map(lambda item, lane=lane: item[lane], seen)
+                now: LaneState = unpacked(seen[lane], like)
                 verdict = self._look(seat, now)
                 if verdict is None and not now.failed and not now.waits:
                     continue
@@ -187,6 +210,32 @@ class _Pool:
                 seats = [seats[lane] for lane in kept]
                 values, batch = _lane(values, kept), _lane(batch, kept)
 
+    def _steps(
+        self, seats: list[_Seat | None], values: Any, batch: StepperState
+    ) -> tuple[StepperState, jax.Array]:
+        """Try some steps in every lane."""
+        control, t_end, how = self.control, self.t_end, self.shares
+        seat = seats[0]
+        if self.axial is None or seat is None:
+            systems = self.shares.with_values(self.device, values)
+            return run_lanes(systems, control, self.table, batch, t_end, how=how)
+        points = (self.grid.n_z, *self.axial.fewer(self.grid))
+        level, changed, usable = self.levels[seat.place], seat.place != seat.last_place, seat.usable
+        seat.last_place = seat.place
+        return run_axial_lane(
+            level,
+            self.device,
+            values,
+            control,
+            batch,
+            changed,
+            usable,
+            t_end,
+            how=how,
+            points=points,
+            place=seat.place,
+        )
+
     def _enter(self) -> _Entry | None:
         """Prepare the next member: its seat, its couplings, and its state at t = 0."""
         index = next(self.waiting, None)
@@ -197,7 +246,8 @@ class _Pool:
         system, certain = self._point(problem)
         state = self.model.check_state(member.grid, member.state(), "the initial state")
         watch = Watch(problem, system, self.how.run)
-        seat = _Seat(index, system, None if certain is None else certain(), began, watch)
+        usable = 0 if self.axial is None else self.axial.usable(member.params, member.grid)
+        seat = _Seat(index, system, None if certain is None else certain(), began, watch, usable)
         values = self.shares.values(system)
         running = self.shares.with_values(self.device, values)
         return _Entry(seat, values, start(running, self.model.modes(system, state), np.float64(0.0)))
@@ -215,6 +265,7 @@ class _Pool:
     def _look(self, seat: _Seat, now: LaneState) -> CertainEnd | None:
         """Record the progress of a member, and return the verdict on it, or None."""
         t, tail = float(now.t), float(now.signs.tail)
+        seat.place = int(now.level)
         seat.looks.append((t, self.shares.look(now.signs)))
         if t >= seat.watch.patience:
             seat.tail = max(seat.tail, tail)

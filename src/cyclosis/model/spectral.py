@@ -138,6 +138,17 @@ def unpack(field: jax.Array) -> jax.Array:
     return jnp.stack([field.real, field.imag])
 
 
+def on_axial_points(spectrum: jax.Array, n_z: int) -> jax.Array:
+    """Return a packed spectrum (n_theta, any) of the same field on n_z points along the cell.
+
+    Waves that both hold are kept exactly; all others, the Nyquist modes among them, are left out.
+    """
+    old = spectrum.shape[-1]
+    if n_z == old:
+        return spectrum
+    return _fit(spectrum, min(old, n_z), n_z, -1) * (n_z / old)
+
+
 def _not_nyquist(n: int) -> npt.NDArray[np.float64]:
     kept = np.ones(n)
     if n % 2 == 0:

@@ -17,10 +17,11 @@ import numpy.typing as npt
 
 from ..analysis import resolution
 from ..analysis.appearance import Look
+from ..analysis.axial_points import axial_tails, fewer_points, usable
 from ..analysis.diagnostics import QUANTITIES, measure
 from ..analysis.regimes import REGIMES, Regime, regime
 from ..analysis.signs import signs
-from ..contract.members import Inquiry, Lanes, Starts
+from ..contract.members import AxialPoints, Inquiry, Lanes, Starts
 from ..contract.model import Model, Problem, Times
 from ..display.notebook import map_of
 from ..model import swept_starts
@@ -31,7 +32,7 @@ from ..model.errors import InputError
 from ..model.filaments import select_terms
 from ..model.grid import Array, CylinderGrid, resolved
 from ..model.parameters import Parameters
-from ..model.spectral import pack
+from ..model.spectral import on_axial_points, pack
 from ..model.starts import initial_state
 from ..model.system import System, flow_spectrum, ramped, state_of
 from ..model.system import system as system_of
@@ -144,6 +145,7 @@ polar = Model(
         values=lambda system: system.varying,
         with_values=System.with_varying,
         certain=_certain,
+        axial=AxialPoints(fewer_points, usable, on_axial_points, axial_tails),
     ),
     starts=Starts(
         make=initial_state,

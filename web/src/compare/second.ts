@@ -2,7 +2,7 @@ import type { Socket } from '../connection';
 import { h } from '../panels/dom';
 import { makeRoom, showFrame, type Shown } from '../panels/arrivals';
 import { Hub } from '../panels/hub';
-import { isDark, keptPalette } from '../panels/look';
+import { isDark, keptPalette } from '../panels/dress';
 import { Unseen } from '../panels/seen';
 import { Waits } from '../panels/waits';
 import type { About, Ask, Frame, Said } from '../protocol';

@@ -8,6 +8,7 @@ const [CONNECTING, OPEN, CLOSED] = [0, 1, 3];
 
 /** The engine in the place of a server: to the page's connection a Web Worker looks like a WebSocket. */
 export class WorkerSocket implements Socket {
+  readonly local = true;
   readyState = CONNECTING;
   binaryType: BinaryType = 'arraybuffer';
   onopen: Socket['onopen'] = null;
@@ -19,7 +20,15 @@ export class WorkerSocket implements Socket {
     this.engine = make();
     this.engine.onmessage = (event: MessageEvent) => this.onmessage?.call(this as never, event);
     this.engine.onerror = () => this.fail();
-    catalogue.then((about) => this.opened(about), () => this.fail());
+    catalogue.then((about) => this.begin(about), () => this.fail());
+  }
+
+  get opened(): boolean {
+    return this.readyState === OPEN;
+  }
+
+  get ended(): boolean {
+    return this.readyState === CLOSED;
   }
 
   send(text: string): void {
@@ -31,7 +40,7 @@ export class WorkerSocket implements Socket {
     this.engine.terminate();
   }
 
-  private opened(about: Catalogue): void {
+  private begin(about: Catalogue): void {
     if (this.readyState !== CONNECTING) return;
     this.readyState = OPEN;
     this.engine.postMessage(about);

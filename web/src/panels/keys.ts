@@ -12,6 +12,7 @@ export interface Keys {
 export function keys(bindings: [key: string, text: string, act: () => void][]): Keys {
   const on = h('input', { type: 'checkbox', id: 'keys-on', checked: kept('keys') !== 'off', onchange: () => keep('keys', on.checked ? 'on' : 'off') });
   const close = h('button', { class: 'main', onclick: () => dialog.close(), autofocus: true }, say('keys.close'));
+  const meanings = h('dl', { class: 'glossary' });
   const dialog = h(
     'dialog', { id: 'help', 'aria-labelledby': 'help-title' },
     h('div', { class: 'row spread' }, h('h2', { id: 'help-title' }, say('keys.title')), close),
@@ -19,7 +20,7 @@ export function keys(bindings: [key: string, text: string, act: () => void][]): 
       h('dt', {}, h('kbd', {}, 'Tab')), h('dd', {}, say('keys.tab'))),
     h('p', {}, h('label', {}, on, say('keys.everywhere'))),
     h('h2', {}, say('glossary.title')),
-    h('dl', { class: 'glossary' }, ...glossary().flatMap((name) => [h('dt', {}, titleOf(name)), h('dd', {}, ...symbols(explained(name)))])),
+    meanings,
   );
   document.addEventListener('keydown', (event) => {
     if (!on.checked || event.ctrlKey || event.metaKey || event.altKey || dialog.open || (event.repeat && event.key !== '.')) return;
@@ -30,5 +31,9 @@ export function keys(bindings: [key: string, text: string, act: () => void][]): 
     event.preventDefault();
     found[2]();
   });
-  return { element: dialog, open: () => dialog.showModal() };
+  const open = (): void => {
+    if (!meanings.firstChild) meanings.append(...glossary().flatMap((name) => [h('dt', {}, titleOf(name)), h('dd', {}, ...symbols(explained(name)))]));
+    dialog.showModal();
+  };
+  return { element: dialog, open };
 }

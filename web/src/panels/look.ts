@@ -1,30 +1,13 @@
-import type { Palette, Wheel } from '../protocol';
+import type { Palette } from '../protocol';
 import type { Hub } from './hub';
-import { directionOf, upAndDown } from '../scene/palette';
+import { dress, isDark, keptPalette, keptTheme, system, type Theme } from './dress';
 import { h, panel } from './dom';
-import { keep, kept } from './kept';
+import { keep } from './kept';
 import { change, languages, said, say, spoken } from '../words/say';
-
-type Theme = 'auto' | 'light' | 'dark';
 
 export interface LookTarget {
   setPalette(palette: Palette): void;
   setDark(dark: boolean): void;
-}
-
-const system = matchMedia('(prefers-color-scheme: dark)');
-
-export function keptTheme(): Theme {
-  const theme = kept('theme');
-  return theme === 'light' || theme === 'dark' ? theme : 'auto';
-}
-
-export function isDark(theme: Theme = keptTheme()): boolean {
-  return theme === 'dark' || (theme === 'auto' && system.matches);
-}
-
-export function keptPalette(palettes: Palette[]): Palette {
-  return palettes.find((p) => p.name === kept('palette')) ?? palettes[0]!;
 }
 
 /** Theme and colours. */
@@ -52,14 +35,7 @@ export function look(hub: Hub, target: LookTarget): HTMLElement {
   };
   const paint = (): void => {
     const chosen = hub.about.palettes.find((p) => p.name === palette.value)!;
-    const stops = chosen.stops.map(([value, colour]) => `${colour} ${(50 * (value + 1)).toFixed(1)}%`);
-    const { style } = document.documentElement;
-    style.setProperty('--polarity', `linear-gradient(to right, ${stops.join(', ')})`);
-    const [up, down] = upAndDown(chosen, isDark(theme.value as Theme));
-    style.setProperty('--up', up);
-    style.setProperty('--down', down);
-    style.setProperty('--wheel', chosen.wheel ? conic(chosen.wheel) : 'none');
-    document.documentElement.classList.toggle('wheeled', chosen.wheel !== null);
+    dress(chosen, isDark(theme.value as Theme));
     target.setPalette(chosen);
     hub.emit('look', null);
   };
@@ -71,13 +47,4 @@ export function look(hub: Hub, target: LookTarget): HTMLElement {
     h('div', { class: 'setting' }, h('label', { for: 'theme' }, say('look.theme')), theme),
     h('div', { class: 'setting' }, h('label', { for: 'language' }, say('look.language')), language),
   );
-}
-
-/** The colours of all directions around a disc, up at its top. */
-function conic(wheel: Wheel): string {
-  const colours = Array.from({ length: 33 }, (_, k) => {
-    const angle = 0.5 * Math.PI - (2 * Math.PI * k) / 32; // clockwise from the top
-    return `rgb(${directionOf(wheel, Math.cos(angle), Math.sin(angle)).map((part) => Math.round(255 * part)).join(' ')})`;
-  });
-  return `radial-gradient(#000, transparent 70%), conic-gradient(${colours.join(', ')})`;
 }

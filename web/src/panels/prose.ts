@@ -1,6 +1,6 @@
 // Sentences with their symbols typeset, and with words that open an explanation.
 
-import { isKey, say, type Key } from '../words/say';
+import { isKey, say, spoken, type Key } from '../words/say';
 import { h } from './dom';
 import { beside } from './explain';
 import { mathematics } from './mathematics';
@@ -42,10 +42,18 @@ export function pieces(text: string, without: string[] = []): Piece[] {
   return out.filter((piece) => piece.text !== '');
 }
 
-function marked(text: string, used: Set<string>): Piece[] {
+/** The words of the glossary in the language spoken, with the names of their entries, and a pattern that finds the longest. */
+function words(): { known: Map<string, string>; pattern: RegExp } {
+  if (vocabulary?.tag === spoken()) return vocabulary;
   const known = new Map(NAMES.flatMap((name) => wordsOf(name).map((word): [string, string] => [word.toLowerCase(), name])));
   const longest = [...known.keys()].sort((a, b) => b.length - a.length);
-  const pattern = new RegExp(`(?<!\\p{L})(?:${longest.join('|')})(?!\\p{L})`, 'giu');
+  vocabulary = { tag: spoken(), known, pattern: new RegExp(`(?<!\\p{L})(?:${longest.join('|')})(?!\\p{L})`, 'giu') };
+  return vocabulary;
+}
+let vocabulary: { tag: string; known: Map<string, string>; pattern: RegExp } | null = null;
+
+function marked(text: string, used: Set<string>): Piece[] {
+  const { known, pattern } = words();
   const out: Piece[] = [];
   let place = 0;
   for (const match of text.matchAll(pattern)) {

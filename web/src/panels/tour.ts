@@ -4,7 +4,7 @@ import { place } from './place';
 import { STORY, type Stage } from './story';
 import { isKey, say, type Key } from '../words/say';
 import type { Hub } from './hub';
-import { keptPalette } from './look';
+import { keptPalette } from './dress';
 
 export interface Tour {
   element: HTMLElement;

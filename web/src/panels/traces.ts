@@ -4,34 +4,19 @@ import type { Hub } from './hub';
 import { h } from './dom';
 import { mathematics } from './mathematics';
 import { explain } from './explain';
+import { grouped } from './grouped';
 import { History } from './history';
 import { lineOf } from './lines';
+import { OnScreen } from './onscreen';
 import { prose } from './prose';
 import { short } from './scales';
 import { roomBeyond, roomFor, tickTexts } from './ticks';
-import { charted, type Chart } from './words';
+import { charted } from './words';
 import { isKey, said, say } from '../words/say';
 
-const SHARED: [RegExp, Chart][] = [
-  [/^mean_(P|vector)/, 'mean'],
-  [/^circulation/, 'rotation'],
-  [/power|dissipation/, 'power'],
-  [/^peak_speed/, 'peak'],
-  [/^order/, 'order'],
-];
 const FONT = '11px system-ui, sans-serif';
 /** Opacity of the area between a curve and zero, as the last two digits of a colour. */
 const WASH = '40';
-
-/** Which columns share a chart: components of one vector, and all powers. */
-export function grouped(traces: Trace[]): { chart: string; columns: number[] }[] {
-  const groups = new Map<string, number[]>();
-  traces.forEach(({ name }, k) => {
-    const chart = SHARED.find(([pattern]) => pattern.test(name))?.[1] ?? name;
-    groups.set(chart, [...(groups.get(chart) ?? []), k + 1]);
-  });
-  return [...groups].map(([chart, columns]) => ({ chart, columns }));
-}
 
 /** A symbol without the brackets of its mean, which the title mentions. */
 const plain = (symbol: string): string => symbol.replace(/[<>⟨⟩]/g, '').replace('theta', 'θ');
@@ -88,6 +73,7 @@ export function traces(hub: Hub): HTMLElement {
   const build = (): void => {
     for (const [host, plot] of hosts) {
       observer.unobserve(host);
+      sight.leave(host);
       plot.destroy();
     }
     hosts = [];
@@ -99,7 +85,10 @@ export function traces(hub: Hub): HTMLElement {
         columns.map((k) => [pick(k).name, columns.length > 1 ? plain(pick(k).symbol) : '']),
         () => [times(), ...columns.map((k) => (chart === 'peak' ? inUnits(rows.columns[k]!) : rows.columns[k]!))] as uPlot.AlignedData));
     section.replaceChildren(...charts, ...(model.straight ? [profile()] : []));
-    hosts.forEach(([host]) => observer.observe(host));
+    hosts.forEach(([host]) => {
+      observer.observe(host);
+      sight.watch(host);
+    });
   };
   const observer = new ResizeObserver((entries) => {
     for (const { target, contentRect } of entries) {
@@ -108,6 +97,7 @@ export function traces(hub: Hub): HTMLElement {
     }
   });
 
+  const sight = new OnScreen(() => redraw());
   // Ten times per second is enough for curves, and leaves time for the cell itself.
   let waiting = false;
   const redraw = (): void => {
@@ -115,7 +105,7 @@ export function traces(hub: Hub): HTMLElement {
     waiting = true;
     setTimeout(() => requestAnimationFrame(() => {
       waiting = false;
-      for (const [, plot, data] of hosts) plot.setData(data());
+      for (const [host, plot, data] of hosts) if (sight.has(host)) plot.setData(data());
     }), 100);
   };
   hub.on('cell', (cell) => {

@@ -5,7 +5,7 @@ import { said, say } from '../words/say';
 
 /** Ten questions for a class: the cell of each opens behind them, and its answer stays folded until it is wanted. */
 export function worksheet(hub: Hub): { element: HTMLDialogElement; open(): void } {
-  const items = hub.about.worksheet.map(({ question, attempt, answer, link }, k) => {
+  const items = (): HTMLElement[] => hub.about.worksheet.map(({ question, attempt, answer, link }, k) => {
     const text = (part: string, english: string): string => said(`worksheet.${k + 1}${part}`, english);
     return h('li', {},
       h('strong', {}, text('', question)),
@@ -16,10 +16,15 @@ export function worksheet(hub: Hub): { element: HTMLDialogElement; open(): void 
       } }, say('worksheet.open'))),
       h('details', { class: 'inner' }, h('summary', {}, say('worksheet.answer')), h('p', {}, ...prose(text('.answer', answer)))));
   });
+  const list = h('ol', {});
   const dialog = h('dialog', { id: 'worksheet', 'aria-labelledby': 'worksheet-title' },
     h('div', { class: 'row spread' }, h('h2', { id: 'worksheet-title' }, say('worksheet.title')),
       h('button', { class: 'quiet', autofocus: true, 'aria-label': say('keys.close'), onclick: () => dialog.close() }, '✕')),
     h('p', { class: 'note' }, say('worksheet.text')),
-    h('ol', {}, ...items));
-  return { element: dialog, open: () => dialog.showModal() };
+    list);
+  const open = (): void => {
+    if (!list.firstChild) list.append(...items());
+    dialog.showModal();
+  };
+  return { element: dialog, open };
 }

@@ -40,6 +40,8 @@ export class Contrast {
   private readonly passed: Float32Array;
   private readonly highest: Float32Array;
   private readonly lowest: Float32Array;
+  /** A line with its ends continued. */
+  private readonly wrapped: Float32Array;
   private readonly along: Lines;
   private readonly across: Lines;
   /** The share of the contrast that counts, for each z. */
@@ -50,6 +52,7 @@ export class Contrast {
     const radii = Float32Array.from({ length: n_z }, (_, j) => Math.abs(surface.radius((j * period) / n_z)));
     const share = (r: number): number => Math.min(1, Math.max(0, (r - BODY[0]) / (BODY[1] - BODY[0])));
     this.counts = radii.map((r) => (closed ? (axial ? share(r) : 0) : 1));
+    this.wrapped = new Float32Array(3 * Math.max(n_theta, n_z));
     const field = (): Float32Array => new Float32Array(n_theta * n_z);
     [this.values, this.smooth, this.passed, this.highest, this.lowest] = [field(), field(), field(), field(), field()];
     this.along = { lines: n_theta, between: n_z, count: n_z, step: 1, spacing: () => period / n_z };
@@ -58,47 +61,60 @@ export class Contrast {
 
   /** Set `values` to min(max p, max(-p)) around every point, where p is the theta-major P_z, smoothed. */
   of(P_z: Float32Array): Float32Array {
-    const { values, smooth, passed, highest, lowest, along, across } = this;
-    averaged(P_z, passed, along);
-    averaged(passed, smooth, across);
-    extreme(smooth, passed, along, Math.max);
-    extreme(passed, highest, across, Math.max);
-    extreme(smooth, passed, along, Math.min);
-    extreme(passed, lowest, across, Math.min);
-    const { counts } = this;
-    for (let p = 0; p < values.length; p++) values[p] = counts[p % counts.length] * Math.min(highest[p], -lowest[p]);
+    const { values, smooth, passed, highest, lowest, along, across, counts, wrapped } = this;
+    averaged(P_z, passed, along, wrapped);
+    averaged(passed, smooth, across, wrapped);
+    for (const [sign, out] of [[1, highest], [-1, lowest]] as const) {
+      // The least is the largest of the opposite.
+      largest(smooth, passed, along, sign, wrapped);
+      largest(passed, out, across, 1, wrapped);
+    }
+    for (let p = 0, j = 0; p < values.length; p++, j = j + 1 < counts.length ? j + 1 : 0) {
+      values[p] = counts[j] * Math.min(highest[p], lowest[p]);
+    }
     return values;
   }
 }
 
+/** Copy a periodic line with so many values of its other end before and after it. */
+function wrap(from: Float32Array, start: number, { count, step }: Lines, half: number, sign: number, out: Float32Array): void {
+  for (let k = 0, p = start; k < count; k++, p += step) out[half + k] = sign * from[p];
+  out.copyWithin(0, count, count + half);
+  out.copyWithin(count + half, half, 2 * half);
+}
+
 /** Write the mean of every point's neighbourhood on periodic lines. */
-function averaged(from: Float32Array, to: Float32Array, { lines, between, count, step, spacing }: Lines): void {
+function averaged(from: Float32Array, to: Float32Array, of: Lines, wrapped: Float32Array): void {
+  const { lines, between, count, step, spacing } = of;
   for (let line = 0; line < lines; line++) {
     const points = pointsWithin(GRAIN, spacing(line), count);
-    const half = (points - 1) / 2;
     const start = line * between;
+    wrap(from, start, of, (points - 1) / 2, 1, wrapped);
     for (let k = 0; k < count; k++) {
       let sum = 0;
-      for (let m = count + k - half; m <= count + k + half; m++) sum += from[start + (m % count) * step];
+      for (let m = k; m < k + points; m++) sum += wrapped[m];
       to[start + k * step] = sum / points;
     }
   }
 }
 
-/** Write the largest, or smallest, of every point's neighbourhood on periodic lines. */
-function extreme(
-  from: Float32Array,
-  to: Float32Array,
-  { lines, between, count, step, spacing }: Lines,
-  further: (a: number, b: number) => number,
-): void {
+/** Write the largest of every point's neighbourhood on periodic lines of a field times a sign. */
+function largest(from: Float32Array, to: Float32Array, of: Lines, sign: number, wrapped: Float32Array): void {
+  const { lines, between, count, step, spacing } = of;
   for (let line = 0; line < lines; line++) {
-    const half = (pointsWithin(REACH, spacing(line), count) - 1) / 2;
+    const points = pointsWithin(REACH, spacing(line), count);
     const start = line * between;
+    wrap(from, start, of, (points - 1) / 2, sign, wrapped);
+    // Each pass makes the largest of twice as many values, and the last of as many as are wanted.
+    const reached = count + points - 1;
+    let width = 1;
+    for (; 2 * width <= points; width *= 2) {
+      for (let k = 0; k + 2 * width <= reached; k++) if (wrapped[k + width] > wrapped[k]) wrapped[k] = wrapped[k + width];
+    }
+    const rest = points - width;
     for (let k = 0; k < count; k++) {
-      let found = from[start + k * step];
-      for (let m = count + k - half; m <= count + k + half; m++) found = further(found, from[start + (m % count) * step]);
-      to[start + k * step] = found;
+      const [a, b] = [wrapped[k], wrapped[k + rest]];
+      to[start + k * step] = a > b ? a : b;
     }
   }
 }

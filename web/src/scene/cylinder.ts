@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import type { Defect, Palette } from '../protocol';
 import { Defects } from './defects';
 import type { Fields } from './fields';
-import { lightOf, paletteTable, rgb } from './palette';
+import { lightOf, paletteTable, rgb, solidColours } from './palette';
 import type { Particles } from './particles';
 import { Opened } from './opened';
 import { endFragment, endVertex, STEPS, surfaceFragment, surfaceVertex } from './shaders';
@@ -128,9 +128,7 @@ export class Cylinder {
 
   setDark(dark: boolean): void {
     this.opened.setDark(dark);
-    this.uniforms.ink.value = linear(dark ? '#09070b' : '#1b1720');
-    this.uniforms.paper.value = linear(dark ? '#3a3442' : '#f6f4f8');
-    this.uniforms.shade.value = linear(dark ? '#211d27' : '#d8d3df');
+    for (const [name, colour] of Object.entries(solidColours(dark))) this.uniforms[name].value = linear(colour);
   }
 
   draw(

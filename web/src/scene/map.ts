@@ -3,10 +3,11 @@
 
 import type { BrushMark } from './cylinder';
 import type { Fields } from './fields';
-import { TRAIL, type Particles } from './particles';
+import type { Particles } from './particles';
 import { Raster } from './raster';
 import { Units } from '../panels/units';
 import { POINTS, Streamlines } from './streamlines';
+import { strokeTrails } from './strokes';
 import { CylinderSurface, nearest, type Place, type Surface } from './surface';
 import type { Defect, Palette } from '../protocol';
 
@@ -27,12 +28,16 @@ export class UnwrappedMap {
   width = 1;
   height = 1;
   zone: string;
+  /** Every so many of the particles are drawn. */
+  nth = 1;
   /** A length in words, and a bar of a round length where lengths have units. */
   units = new Units(null);
 
   private readonly lines = new Streamlines();
   private surface: Surface = new CylinderSurface(5);
   private ratio = 1;
+  /** The colour of print, read once: asking for it makes the browser work out all styles. */
+  private ink = '';
   /** The size of print, relative to the usual one. */
   private large = 1;
 
@@ -81,12 +86,18 @@ export class UnwrappedMap {
     return path;
   }
 
+  /** The theme has changed. */
+  restyle(): void {
+    this.ink = '';
+  }
+
   fit(width: number, height: number, surface: Surface, ratio: number): void {
     const { length } = surface;
     this.width = width;
     this.height = height;
     this.surface = surface;
     this.ratio = ratio;
+    this.restyle();
     for (const canvas of [this.still, this.moving]) {
       const [w, h] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
       if (canvas.width !== w || canvas.height !== h) {
@@ -200,8 +211,8 @@ export class UnwrappedMap {
   private drawAxes(context: CanvasRenderingContext2D): void {
     const { box } = this;
     const { closed, length } = this.surface;
-    const style = getComputedStyle(this.still);
-    context.strokeStyle = context.fillStyle = style.color;
+    this.ink ||= getComputedStyle(this.still).color;
+    context.strokeStyle = context.fillStyle = this.ink;
     context.lineWidth = 1;
     context.globalAlpha = 0.75;
     if (closed) context.stroke(this.outline());
@@ -269,7 +280,7 @@ export class UnwrappedMap {
     context.moveTo(x, y);
     context.lineTo(x - 4.5, y + 7);
     context.lineTo(x + 4.5, y + 7);
-    context.fillStyle = getComputedStyle(this.still).color;
+    context.fillStyle = this.ink;
     context.fill();
   }
 
@@ -297,44 +308,16 @@ export class UnwrappedMap {
   }
 
   private drawTrails(context: CanvasRenderingContext2D): void {
-    const { surface } = this;
-    const { data, count, phase } = this.particles;
+    const { surface, particles, nth } = this;
     const { closed, length } = surface;
-    const { x: left, y: above, width, height } = this.box;
-    const row = 4 * count;
-    context.strokeStyle = '#fff';
-    context.lineCap = 'butt';
-    // Few strokes of many pieces, grouped by opacity and by position along the trail.
-    const parts: [number, number][] = [[0, 2], [2, 4], [4, 6], [6, TRAIL - 1]];
-    for (const [dim, bright] of [[0.1, 0.55], [0.55, 2]]) {
-      parts.forEach(([from, to], part) => {
-        context.beginPath();
-        for (let p = 0; p < row; p += 4) {
-          const opacity = data[p + 2];
-          if (opacity < dim || opacity >= bright || data[p + 3] < 0.02) continue;
-          let before = 0;
-          for (let k = from, q = p + from * row; k <= to; k++, q += row) {
-            let [theta, s] = [data[q], data[q + 1]];
-            let wide = 1;
-            if (closed) {
-              [theta, s] = surface.within(theta, s);
-              wide = this.wide(s);
-            }
-            const x = left + (0.5 + (theta / TURN - 0.5) * wide) * width;
-            const y = above + (1 - s / length) * height;
-            // On a closed cell a trail over a seam or a pole comes back elsewhere.
-            if (k === from || (closed && Math.abs(x - before) > 0.2 * width)) context.moveTo(x, y);
-            else context.lineTo(x, y);
-            before = x;
-          }
-        }
-        const along = 1 - (part + 0.25 * phase) / parts.length;
-        context.globalAlpha = 0.85 * along ** 1.5 * (dim > 0.5 ? 1 : 0.4);
-        context.lineWidth = 0.5 + 1.5 * along;
-        context.stroke();
-      });
-    }
-    context.globalAlpha = 1;
+    const { x, y, width, height } = this.box;
+    strokeTrails(context, particles, nth, (around, along, out) => {
+      const [theta, s] = closed ? surface.within(around, along) : [around, along];
+      const wide = closed ? this.wide(s) : 1;
+      out[0] = x + (0.5 + (theta / TURN - 0.5) * wide) * width;
+      out[1] = y + (1 - s / length) * height;
+      return true;
+    }, closed ? 0.2 * width : Infinity); // a trail over a seam or a pole comes back elsewhere
   }
 }
 

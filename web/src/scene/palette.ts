@@ -80,3 +80,8 @@ export function upAndDown({ stops }: Palette, dark: boolean): [up: string, down:
   const nearest = (value: number): string => stops.reduce((best, stop) => (Math.abs(stop[0] - value) < Math.abs(best[0] - value) ? stop : best))[1];
   return [nearest(strength), nearest(-strength)];
 }
+
+/** Colours of the solid besides those of its skin: its outline, its ends, and these where they turn away. */
+export function solidColours(dark: boolean): { ink: string; paper: string; shade: string } {
+  return dark ? { ink: '#09070b', paper: '#3a3442', shade: '#211d27' } : { ink: '#1b1720', paper: '#f6f4f8', shade: '#d8d3df' };
+}

@@ -1,37 +1,70 @@
-// How many pictures per second are drawn, and how many pixels they may have.
+// How many pictures per second are drawn, and what is left out where they are few.
 
-const RATIOS = [2, 1, 0.75];
+/** From the best to what the weakest devices can draw: see `Level`. */
+export interface Level {
+  /** Most device pixels per CSS pixel. */
+  ratio: number;
+  /** Every so many of the particles are drawn. */
+  nth: number;
+  /** Whether the processor paints the cylinder instead of WebGL. */
+  flat: boolean;
+}
+
+const LEVELS: Level[] = [
+  { ratio: 2, nth: 1, flat: false },
+  { ratio: 1, nth: 1, flat: false },
+  { ratio: 0.75, nth: 2, flat: false },
+  { ratio: 0.75, nth: 3, flat: true },
+];
+/** Fewer pictures a second are slow; as few are very slow. */
 const SLOW = 20;
+const CRAWL = 7;
+/** Seconds of slowness in a row, and very slow ones, after which less is drawn: one or two may be due to loading the page. */
+const PATIENCE = 3;
+const HASTE = 2;
 
 export class Quality {
   frames = 0;
-  /** Most device pixels per CSS pixel. */
-  limit = RATIOS[0];
 
+  private place = 0;
   private readonly times: number[] = [];
   private busy = 0;
   private drawn = 0;
   private slow = 0;
+  private crawled = 0;
 
-  /** Count a picture drawn at `now` (ms), `since` the previous one; true if the limit was lowered. */
+  /** Count a picture drawn at `now` (ms), `since` the previous one; true if less is drawn from now on. */
   count(now: number, since: number): boolean {
     this.frames++;
     this.times.push(now);
     while (this.times.length && this.times[0] <= now - 1000) this.times.shift();
-    if (since > 600) return false; // hidden, or nothing to draw
+    if (since > 2000) return false; // hidden, or nothing to draw
     this.busy += since;
     this.drawn++;
     if (this.busy < 1000) return false;
-    this.slow = (1000 * this.drawn) / this.busy < SLOW ? this.slow + 1 : 0;
+    const rate = (1000 * this.drawn) / this.busy;
+    const seconds = this.busy / 1000;
+    this.slow = rate < SLOW ? this.slow + seconds : 0;
+    this.crawled = rate < CRAWL ? this.crawled + seconds : 0;
     this.busy = 0;
     this.drawn = 0;
-    // A slow second or two may be due to loading the page.
-    if (this.slow < 3) return false;
-    this.slow = 0;
-    const lower = RATIOS.find((ratio) => ratio < Math.min(this.limit, window.devicePixelRatio || 1));
-    if (lower === undefined) return false;
-    this.limit = lower;
+    if (this.slow < PATIENCE && this.crawled < HASTE) return false;
+    this.slow = this.crawled = 0;
+    return this.lower();
+  }
+
+  /** Draw less; false if that is not possible. */
+  lower(): boolean {
+    const { ratio, level } = this;
+    // A level with as many pixels and all else the same would change nothing.
+    const next = LEVELS.findIndex((each, k) => k > this.place && (each.ratio < ratio || each.nth > level.nth || each.flat));
+    if (next < 0) return false;
+    this.place = next;
     return true;
+  }
+
+  get level(): Level {
+    return LEVELS[this.place]!;
   }
 
   fps(now: number): number {
@@ -41,7 +74,7 @@ export class Quality {
   }
 
   get ratio(): number {
-    return Math.min(window.devicePixelRatio || 1, this.limit);
+    return Math.min(globalThis.devicePixelRatio || 1, this.level.ratio);
   }
 }
 

@@ -4,12 +4,15 @@ import type { Defect, Frame, Inside, Outline, Palette } from '../protocol';
 import { Control, type Tool } from './control';
 import { Cylinder } from './cylinder';
 import { Fields } from './fields';
+import { FlatCylinder } from './flat';
 import { UnwrappedMap } from './map';
 import { CALM, PACE, Particles } from './particles';
+import { place } from './place';
 import { inSoftware, Quality } from './quality';
 import { ScaleBar } from './scalebar';
 import { surfaceOf, type Surface } from './surface';
 import { Tracers } from './tracers';
+import { OnScreen } from '../panels/onscreen';
 import type { Units } from '../panels/units';
 import { View, type Stance } from './view';
 import { say } from '../words/say';
@@ -58,7 +61,14 @@ export class Scene {
   private readonly control: Control;
   private readonly quality = new Quality();
   private readonly bar = new ScaleBar();
+  private readonly sight = new OnScreen(() => (this.stale = this.dirty = true));
   private cylinder: Cylinder | null = null;
+  /** The cylinder as the processor paints it, once that was needed. */
+  private painted: FlatCylinder | null = null;
+  /** Says why a closed cell is not drawn without WebGL. */
+  private readonly missing = Object.assign(document.createElement('p'), { className: 'note', hidden: true });
+  private palette: Palette;
+  private dark: boolean;
   private lost = false;
   private readonly software: boolean;
   private readonly calm: boolean;
@@ -79,6 +89,8 @@ export class Scene {
 
   constructor(private readonly options: SceneOptions) {
     const { palette, dark } = options;
+    this.palette = palette;
+    this.dark = dark;
     const calm = (this.calm = matchMedia('(prefers-reduced-motion: reduce)').matches);
     const software = (this.software = inSoftware());
     this.particles = new Particles(calm, calm || software ? FEW : MANY);
@@ -98,9 +110,8 @@ export class Scene {
     try {
       this.cylinder = new Cylinder(this.canvas, this.particles, this.tracers, palette, dark, software);
     } catch {
-      const missing = say('scene.no-webgl');
-      this.canvas.hidden = true;
-      options.cylinder.append(Object.assign(document.createElement('p'), { className: 'note', textContent: missing }));
+      this.missing.textContent = say('scene.no-webgl');
+      options.cylinder.append(this.missing);
     }
     this.canvas.addEventListener('webglcontextlost', this.onLost);
     this.canvas.addEventListener('webglcontextrestored', this.onRestored);
@@ -113,14 +124,18 @@ export class Scene {
     const observer = new ResizeObserver(() => this.resize());
     observer.observe(options.cylinder);
     observer.observe(options.map);
+    this.sight.watch(options.cylinder);
+    this.sight.watch(options.map);
+    // Where the processor draws, a picture has few pixels from the beginning.
+    if (software && devicePixelRatio > 1) this.quality.lower();
     this.resize();
     requestAnimationFrame(this.loop);
   }
 
-  get statistics(): { frames: number; fps: number; lastShown: number; inside: number; tracers: number } {
+  get statistics(): { flat: boolean; frames: number; fps: number; lastShown: number; inside: number; tracers: number } {
     const { version, count } = this.tracers;
-    const { frames } = this.quality;
-    return { frames, fps: this.quality.fps(performance.now()), lastShown: this.lastShown, inside: version, tracers: count };
+    const { frames, level } = this.quality;
+    return { frames, flat: level.flat, fps: this.quality.fps(performance.now()), lastShown: this.lastShown, inside: version, tracers: count };
   }
 
   /** From where the cell is seen. */
@@ -198,6 +213,8 @@ export class Scene {
   }
 
   setPalette(palette: Palette): void {
+    this.palette = palette;
+    this.painted?.setPalette(palette);
     this.map.raster.setPalette(palette);
     this.map.zone = palette.zone;
     this.cylinder?.setPalette(palette);
@@ -205,6 +222,9 @@ export class Scene {
   }
 
   setDark(dark: boolean): void {
+    this.dark = dark;
+    this.map.restyle();
+    this.painted?.setDark(dark);
     this.cylinder?.setDark(dark);
     this.stale = this.dirty = true;
   }
@@ -226,6 +246,7 @@ export class Scene {
     if (outline) this.view.open = false;
     this.defects = [];
     this.label();
+    this.missing.hidden = this.cylinder !== null || !outline;
     this.fields.clear();
     this.lastShown = -1;
     this.tracers.clear();
@@ -236,6 +257,7 @@ export class Scene {
   canvases(everything: boolean): HTMLCanvasElement[][] {
     this.draw(performance.now(), everything);
     const map = [this.map.still, this.map.moving];
+    if (this.flat) return [[this.flat.canvas], map];
     return this.cylinder && !this.lost ? [[this.canvas], map] : [map];
   }
 
@@ -259,6 +281,25 @@ export class Scene {
     this.stale = this.dirty = true;
   }
 
+  private economise(): void {
+    this.map.nth = this.quality.level.nth;
+    this.resize();
+  }
+
+  /** The painter of the cylinder if the processor is to paint it; the picture of WebGL then does not show. */
+  private get flat(): FlatCylinder | null {
+    const wanted = !this.outline && !this.view.open && (this.quality.level.flat || !this.cylinder || this.lost);
+    if (wanted && !this.painted) {
+      this.painted = new FlatCylinder(this.palette, this.dark);
+      this.painted.canvas.style.pointerEvents = 'none';
+      this.painted.canvas.setAttribute('aria-hidden', 'true');
+      place(this.options.cylinder, this.painted.canvas);
+    }
+    if (this.painted) this.painted.canvas.hidden = !wanted;
+    this.canvas.style.opacity = wanted ? '0' : '';
+    return wanted ? this.painted : null;
+  }
+
   private readonly loop = (now: number): void => {
     requestAnimationFrame(this.loop);
     const since = now - this.last;
@@ -272,7 +313,7 @@ export class Scene {
     this.last = now;
     if (moves) this.particles.step(fields, Math.min(since, 100) / 1000);
     this.draw(now, false);
-    if (this.quality.count(now, since)) this.resize();
+    if (this.quality.count(now, since)) this.economise();
     // Also a picture of the same frame, after an action, was sent and is confirmed.
     if (!fields.empty && fields.version !== this.confirmed) {
       this.confirmed = fields.version;
@@ -287,27 +328,33 @@ export class Scene {
     const mixing = fields.mixing(now);
     fields.blend(mixing);
     const changed = mapped.version !== fields.version || mapped.mixing !== mixing;
-    if (everything || this.stale || (changed && now - mapped.at >= MAP_EVERY)) {
-      if (now - this.linesAt >= LINES_EVERY) {
-        map.layStreamlines(fields);
-        this.linesAt = now;
-      }
-      map.drawStill(fields, mixing);
+    const { sight, options } = this;
+    const mapSeen = everything || sight.has(options.map);
+    const again = everything || this.stale || (changed && now - mapped.at >= MAP_EVERY);
+    if (again) {
+      if (mapSeen) this.drawStill(now, mixing);
       this.mapped = { at: now, version: fields.version, mixing };
       this.stale = false;
     }
-    this.bar.show(fields.empty || !this.cylinder ? 0 : view.scale, view.width);
-    map.drawMoving(fields, control.mark, view.turn, this.defects);
+    const { flat } = this;
+    const { ratio, level } = this.quality;
+    this.bar.show(fields.empty || !(flat || this.cylinder) ? 0 : view.scale, view.width);
+    if (mapSeen) map.drawMoving(fields, control.mark, view.turn, this.defects);
     this.drawnInside = this.tracers.empty ? 1 : this.tracers.mixing(now);
-    if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, this.quality.ratio);
+    if (!everything && !sight.has(options.cylinder)) return;
+    if (flat && !fields.empty) {
+      flat.draw(fields, mixing, view, ratio, again);
+      flat.drawMoving(this.particles, level.nth, control.mark, fields, view, ratio);
+    } else if (flat) flat.clear();
+    else if (!this.lost) this.cylinder?.draw(now, fields, mixing, view, control.mark, this.defects, ratio);
   }
-}
 
-/** Stack canvases so that they fill their host. */
-function place(host: HTMLElement, ...canvases: HTMLCanvasElement[]): void {
-  if (getComputedStyle(host).position === 'static') host.style.position = 'relative';
-  for (const canvas of canvases) {
-    Object.assign(canvas.style, { position: 'absolute', left: '0', top: '0', width: '100%', height: '100%' });
-    host.append(canvas);
+  private drawStill(now: number, mixing: number): void {
+    const { map, fields } = this;
+    if (now - this.linesAt >= LINES_EVERY) {
+      map.layStreamlines(fields);
+      this.linesAt = now;
+    }
+    map.drawStill(fields, mixing);
   }
 }

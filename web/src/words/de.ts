@@ -255,8 +255,8 @@ const de: Language = {
     'scene.closed': 'Die geschlossene Zelle. {keys}',
     'scene.keys': 'Die Pfeiltasten drehen und neigen sie, Plus und Minus ändern die Größe, Pos1 stellt die Ansicht wieder her.',
     'scene.map': 'Die abgerollte Zelle, Theta nach rechts und z nach oben. Mit einem Pinsel bewegen ihn die Pfeiltasten und die Eingabetaste malt; ohne drehen sie die Zelle.',
-    'scene.no-webgl': 'Dieser Browser bietet kein WebGL, daher wird der Zylinder nicht gezeichnet; die Karte zeigt dieselbe Zelle.',
-    'scene.lost': 'Der Browser kann den Zylinder zurzeit nicht zeichnen; die Karte läuft weiter.',
+    'scene.no-webgl': 'Dieser Browser bietet kein WebGL, daher werden geschlossene Zellen nicht als Körper gezeichnet; die Karte zeigt dieselbe Zelle.',
+    'scene.lost': 'Die Grafik des Browsers ist ausgefallen; die Zelle läuft weiter.',
 
     'charts.label': 'Zeitverläufe',
     'charts.order': 'Ordnung',

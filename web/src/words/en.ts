@@ -251,8 +251,8 @@ const en = {
   'scene.closed': 'The closed cell. {keys}',
   'scene.keys': 'Arrow keys turn and tilt it, plus and minus zoom, Home resets the view.',
   'scene.map': 'The unwrapped cell, theta to the right and z up. With a brush, arrow keys move it and Enter paints; without, they turn the cell.',
-  'scene.no-webgl': 'This browser offers no WebGL, so the cylinder is not drawn; the map shows the same cell.',
-  'scene.lost': 'The browser cannot draw the cylinder at the moment; the map continues.',
+  'scene.no-webgl': 'This browser offers no WebGL, so closed cells are not drawn as solids; the map shows the same cell.',
+  'scene.lost': 'The graphics of the browser have stopped; the cell continues.',
 
   'charts.label': 'Traces over time',
   'charts.order': 'order',

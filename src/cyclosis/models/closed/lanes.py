@@ -59,5 +59,5 @@ def look_of_state(P: Array) -> Look:
 
 
 assert polar.lanes is not None
-LANES = replace(polar.lanes, signs=signs, look_of_state=look_of_state, certain=None)
+LANES = replace(polar.lanes, signs=signs, look_of_state=look_of_state, certain=None, axial=None)
 """What members share is the same as on a cylinder."""

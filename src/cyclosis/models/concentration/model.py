@@ -83,6 +83,7 @@ def uneven(base: Model, force_density: str) -> Model:
         values=lambda system: system.base.varying,
         with_values=lambda system, values: replace(system, base=system.base.with_varying(values)),
         certain=None,
+        axial=None,
     )
     return replace(
         base,

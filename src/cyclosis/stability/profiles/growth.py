@@ -62,17 +62,28 @@ def along(problem: Reduced, state: Steady) -> tuple[Vector, Mode]:
 
     The neutral shift of a state that varies is left out.
     """
-    operator, basis = problem.jacobian(state.y), np.eye(state.y.size)
-    if not state.uniform:
-        operator = operator + state.drift * problem.derivative
-        # An orthonormal basis of the complement of the null vector keeps all other eigenvalues.
-        basis = np.linalg.qr(problem.slope(state.y)[:, None], mode="complete")[0][:, 1:]
-    values, left, right = scipy.linalg.eig(basis.T @ operator @ basis, left=True, right=True)
+    operator, basis = _without_shift(problem, state)
+    values, left, right = scipy.linalg.eig(operator, left=True, right=True)
     order = np.argsort(-values.real, kind="stable")
     first = order[0]
     vector, dual = basis @ right[:, first], basis @ left[:, first].conj()
     vector = vector / rms(np.abs(vector))
     return values[order], Mode(complex(values[first]), vector, dual / (dual @ vector))
+
+
+def growth_along(problem: Reduced, state: Steady) -> float:
+    """Return the largest growth rate of those that `along` returns, computed without modes."""
+    return float(np.linalg.eigvals(_without_shift(problem, state)[0]).real.max())
+
+
+def _without_shift(problem: Reduced, state: Steady) -> tuple[Array, Array]:
+    """Return the linearisation without the neutral shift, and the orthonormal basis (2n, any) it is in."""
+    operator, basis = problem.jacobian(state.y), np.eye(state.y.size)
+    if not state.uniform:
+        operator = operator + state.drift * problem.derivative
+        # An orthonormal basis of the complement of the null vector keeps all other eigenvalues.
+        basis = np.linalg.qr(problem.slope(state.y)[:, None], mode="complete")[0][:, 1:]
+    return basis.T @ operator @ basis, basis
 
 
 def across(problem: Reduced, y: Array, waves: int) -> Array:

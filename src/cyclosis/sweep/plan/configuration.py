@@ -151,7 +151,7 @@ def _filled(table: str, tables: Tables) -> dict[str, Any]:
 
 
 def _run(model: Model, tables: Tables, protocol: bool) -> dict[str, Any]:
-    from ...ensemble.members import UNCERTIFIED, EnsembleSettings
+    from ...ensemble.members import UNCERTIFIED, EnsembleSettings, refuse_adaptive
 
     out = _filled("run", tables)
     if protocol or not model.certifies:
@@ -163,6 +163,10 @@ def _run(model: Model, tables: Tables, protocol: bool) -> dict[str, Any]:
     out["terms"] = list(out["terms"])
     _refuse_repeats("terms", out["terms"])
     EnsembleSettings(**(out | {"terms": tuple(out["terms"])}))
+    if out["axial_resolution"] == "adaptive":
+        refuse_adaptive(model, protocol)
+    else:  # left out, so that sweeps from before there was a choice are the same sweeps
+        del out["axial_resolution"]
     return out
 
 

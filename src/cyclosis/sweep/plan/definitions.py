@@ -41,6 +41,15 @@ ENSEMBLE = (
     ),
 )
 
+AXIAL_RESOLUTION = Definition(
+    "axial_resolution",
+    "-",
+    "points along the cell: always n_z, or at each time only as many as the waves along it need",
+    "fixed",
+    "choice",
+    allowed=("fixed", "adaptive"),
+)
+
 RUN = (
     replace(definition("run", "t_end"), default=2000.0, meaning="time up to which members are integrated"),
     Definition(
@@ -62,6 +71,7 @@ RUN = (
         1_048_576,
         optional=True,
     ),
+    AXIAL_RESOLUTION,
 )
 
 RECORD = (
