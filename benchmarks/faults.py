@@ -64,7 +64,7 @@ class Copy:
     def __init__(self, folder: Path, cache: Path) -> None:
         self.folder = folder
         ignored = shutil.ignore_patterns("__pycache__", "page")
-        for name in ("src", "tests"):
+        for name in ("src", "tests", "benchmarks"):  # whose scripts some tests use
             shutil.copytree(ROOT / name, folder / name, ignore=ignored)
         shutil.copy(ROOT / "pyproject.toml", folder)
         # Without bytecode, which would go by the time of a file and might outlive a fault.

@@ -264,6 +264,22 @@ def test_the_camera_geometry_is_a_rotation_where_it_should_be():
     assert tilts({}, 8, np.random.default_rng(0)) == []
 
 
+def test_vectors_of_another_geometry_are_those_of_the_moved_points():
+    """The matrix for vectors is the derivative of the places: what moves with the surface stays with it."""
+    theta, z, h = np.linspace(1.2, 2.8, 9), np.linspace(0, 2, 7), 1e-6
+    tilt = Tilt(axis=0.15, radius=0.05, centre=-0.04)
+    frame = tilt.moved(theta, z, 2.0)[2]
+    around = np.subtract(tilt.moved(theta + h, z, 2.0)[:2], tilt.moved(theta - h, z, 2.0)[:2]) / (2 * h)
+    wide = np.concatenate([[z[0]], z, [z[-1]]])  # the ends, which give the middle, stay
+    moved = []
+    for step in (h, -h):
+        wide[1:-1] = z + step
+        moved.append(np.array(tilt.moved(theta, wide, 2.0)[:2])[..., 1:-1])
+    along = (moved[0] - moved[1]) / (2 * h)
+    assert frame[:, 0] == pytest.approx(around, abs=1e-8)
+    assert frame[:, 1] == pytest.approx(along, abs=1e-8)
+
+
 def test_holes_are_filled_from_frames_of_their_own_half():
     """Noise of odd frames must not reach even ones, whose columns are instruments for them."""
     u = np.zeros((20, 2, 3, 4))

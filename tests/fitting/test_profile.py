@@ -6,6 +6,7 @@ import xarray
 
 import cyclosis as cy
 from cyclosis.fitting import steady
+from cyclosis.fitting.result import Fit, of_logarithms
 
 ANGLES = np.radians(np.linspace(-70, 70, 40))
 STATE = cy.stability.cyclosis(cy.Parameters(), n_theta=128)
@@ -34,6 +35,11 @@ def test_slopes_equal_differences_of_steady_states():
         ]
         for j, found in enumerate((slopes.P, slopes.u)):
             assert found[:, k] == pytest.approx((ends[0][j] - ends[1][j]) / (2 * h), abs=1e-8), name
+
+    ends = [STATE.at(ANGLES, 0.3 + s * h) for s in (1, -1)]
+    for j, found in enumerate((slopes.P, slopes.u)):
+        assert found[:, 6] == pytest.approx((ends[0][j] - ends[1][j]) / (2 * h), abs=1e-6), "zone"
+        assert found[:, 5] == pytest.approx([0 * P, FLOW][j], abs=1e-8), "U"
 
 
 def test_the_null_vector_is_a_common_factor_of_four_parameters():
@@ -65,6 +71,54 @@ def test_intervals_of_a_profile_contain_the_truth():
             low, high = fit.interval[name]
             hits.append(low < truth < high)
     assert np.mean(hits) >= 0.8
+
+
+def test_the_angle_of_the_zone_is_one_unknown_more():
+    """One side of a zone: covariances are those of the inverse information of all unknowns together."""
+    side, noise, names = slice(0, 24), 0.005, ("alpha_u", "d_s", "d_r", "mu")
+    fit = cy.fit(measured(noise, order=True).isel(theta=side), names, {"alpha_p": 1.0, "U": 1.0})
+    found = steady.slopes(STATE, 1.0, ANGLES[side], 0.3)
+    columns = [*(steady.NAMES.index(name) for name in names), 6]
+    rows = np.vstack([found.P, found.u])[:, columns] * np.sqrt(200) / noise
+    together, alone = (np.linalg.inv(r.T @ r) for r in (rows, rows[:, :-1]))
+    size = np.outer(*[list(fit.estimate.values())] * 2)
+    assert fit.covariance / size == pytest.approx(together[:-1, :-1], rel=0.2, abs=1e-6)
+    assert alone[1, 1] < 0.5 * together[1, 1]  # as if the zone's angle were known
+
+
+def test_intervals_of_logarithms_hold_95_of_100_draws():
+    names, values, deviations = ("mu", "U"), {"mu": 0.05, "U": 2.0}, {"mu": 0.3, "U": 0.01}
+    estimate, interval = of_logarithms(names, values, deviations, ())
+    rng = np.random.default_rng(0)
+    for name in names:
+        draws = values[name] * np.exp(deviations[name] * rng.normal(size=200_000))
+        assert np.mean(draws < interval[name][0]) == pytest.approx(0.025, abs=0.002)
+        assert np.mean(draws > interval[name][1]) == pytest.approx(0.025, abs=0.002)
+        assert estimate[name] == values[name]
+
+
+def test_values_in_physical_units_are_those_of_the_scales():
+    """What a fit prints, with a U of 0.8 times the unit of the data, against `Scales`."""
+    params = cy.Parameters(kappa=0.3, mu=0.06)
+    estimate = {name: getattr(params, name) for name in ("alpha_p", "alpha_u", "d_s", "d_r", "kappa", "mu")}
+    given = cy.Scales(400.0, 90.0, 2e4)
+    fit = Fit("film", estimate | {"U": 0.8}, dict.fromkeys([*estimate, "U"], (0.0, 1.0)), None, np.eye(7), (),
+              1.0, 1.0, scales=given)  # fmt: skip
+    told = {row.split()[0]: row.partition("(")[2].split() for row in repr(fit).splitlines() if "(" in row}
+    cell = cy.Scales(400.0, 0.8 * 90.0, 2e4).to_physical(params)
+    expected = {
+        "alpha_p": (cell.bundling_per_s, "per s)"),
+        "alpha_u": (cell.flow_alignment_per_um, "per µm)"),
+        "d_s": (cell.spatial_diffusion_um2_per_s, "µm²/s)"),
+        "d_r": (cell.rotational_diffusion_per_s, "per s)"),
+        "kappa": (cell.repulsion_per_s, "per s)"),
+        "mu": (cell.layer_viscosity_Pa_s_m, "Pa s m at this friction)"),
+        "U": (0.8 * 90.0, "µm/s)"),
+    }
+    assert told.keys() == expected.keys()
+    for name, (value, unit) in expected.items():
+        assert float(told[name][0]) == pytest.approx(value, rel=1e-3), name
+        assert " ".join(told[name][1:]) == unit
 
 
 def test_a_profile_that_is_none_is_refused():

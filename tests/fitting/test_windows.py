@@ -79,6 +79,21 @@ def test_the_microscope_and_the_fit_agree_on_windows(angle, mirrored):
     assert np.sqrt(np.mean((plain - seen) ** 2)) > 0.04 * size
 
 
+@pytest.mark.parametrize(("axis", "mirrored"), [(20.0, False), (20.0, True), (-110.0, True), (250.0, False)])
+def test_the_ends_of_strips_lie_on_the_square_of_the_image(axis, mirrored):
+    view = cy.observations.View(100.0, axis, (7.0, 9.0), FACING, mirrored)
+    attributes = {"window_px": 30.0, "radius_px": 100.0, "view": json.dumps(view.to_dict())}
+    known = xarray.Dataset(
+        {"u": (("component", "theta", "z"), np.ones((2, 1, 1)))}, {"theta": [FACING], "z": [0.0]}
+    )
+    x, *ends = window_of(film_of(known.assign_attrs(attributes), None), None).strips()
+    inside = ends[1] > ends[0]
+    assert inside.sum() > 20
+    for z in ends:
+        right, down, _ = view.to_image(FACING + np.arcsin(x[inside]), z[inside])
+        assert np.maximum(np.abs(right - 7.0), np.abs(down - 9.0)) == pytest.approx(15.0, abs=1e-9)
+
+
 def test_the_mean_is_undone_to_fourth_order():
     """A window of half the side leaves a sixteenth of the error."""
     theta, z = FACING + np.linspace(-0.9, 0.9, 181), np.linspace(0, 2, 201)

@@ -134,6 +134,16 @@ def test_torques_by_rates_grow_from_isotropy_as_the_paper_s_words_say():
         assert grown == pytest.approx(rate, rel=1e-6)
 
 
+def test_all_moments_of_a_few_filaments_vary_alike():
+    """m_n of N independent angles: real and imaginary parts have the variance 1/(2N), and no covariance."""
+    m = cy.kinetic.disordered(cy.CylinderGrid(64, 64), 50, seed=4)
+    for n in range(1, 9):
+        for part in (m[n].real, m[n].imag):
+            assert part.var() == pytest.approx(0.01, rel=0.1), n
+        assert abs(np.mean(m[n] ** 2)) < 1.5e-3
+        assert abs(np.mean(m[n] * np.conj(m[n % 8 + 1]))) < 1.5e-3
+
+
 def test_one_seed_starts_both_models_alike():
     P = cy.initial.disordered(GRID, seed=7, noise_grid=(16, 16))
     m = cy.kinetic.disordered(GRID, seed=7, noise_grid=(16, 16))

@@ -5,8 +5,10 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 import cyclosis as cy
+from cyclosis.observations.noise import estimated_noise
 from measured import LENGTH, at, errors, refused, run_of, truth
 
 X, Y = np.arange(0.0, 640.0, 8.0), np.arange(0.0, 480.0, 8.0)
@@ -106,9 +108,10 @@ def test_a_flipped_component_is_noticed():
                 made.on_surface()
 
 
-def test_a_turned_axis_is_noticed():
-    made = seen("u_ordered", axis_deg=0.0, centre_px=(60.0, 240.0))
-    turned = made.view(100.0, 3.0, (60.0, 240.0), mirrored=False)
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_turned_axis_is_noticed(mirrored):
+    made = seen("u_ordered", axis_deg=0.0, centre_px=(60.0, 240.0), mirrored=mirrored)
+    turned = made.view(100.0, 3.0, (60.0, 240.0), mirrored=mirrored)
     with pytest.warns(UserWarning, match=r"axis is at (0\.\d|-0\.\d|359)"):
         turned.on_surface(outside="drop")
 
@@ -129,6 +132,21 @@ def test_noise_and_its_growth_towards_the_rim():
     estimated = dataclasses.replace(seen("u_ordered", noise=1.0), noise_px=None).on_surface()
     assert estimated.attrs["noise_is"] == "estimated"
     assert estimated.attrs["noise_px"] == pytest.approx(1.0, rel=0.25)
+
+
+def test_noise_of_a_film_is_told_by_its_frames():
+    """From frame to frame, though neighbours share all of their noise; what moves steadily is no noise."""
+    rng = np.random.default_rng(0)
+    still = np.ones((12, 16))
+    frames = []
+    for k in range(24):
+        vx, vy = 2.0 + 0.3 * k + 0.4 * rng.normal(size=(2, 1, 1)) * still
+        frames.append(cy.observations.gridded(np.arange(16.0), np.arange(12.0), vx, vy, time=0.5 * k))
+    film = cy.observations.Observation(tuple(frames), time_unit="s", frame_s=0.5)
+    assert estimated_noise(film) == pytest.approx(0.4 * 0.5, rel=0.4)
+    drawn = 0.4 * rng.normal(size=(24, 2, 12, 16))
+    frames = [cy.observations.gridded(np.arange(16.0), np.arange(12.0), *(2.0 + each)) for each in drawn]
+    assert estimated_noise(cy.observations.Observation(tuple(frames))) == pytest.approx(0.4, rel=0.05)
 
 
 def test_bad_vectors_leave_no_trace():
@@ -168,6 +186,15 @@ def test_speeds_that_alias_are_refused():
         cy.observations.line_speeds(np.ones((1, 300)))
     with refused("two parallel edges"):
         cy.observations.rim(np.random.default_rng(0).random((100, 100)))
+
+
+def test_short_windows_do_not_slow_a_kymograph():
+    """Shifted rows share less of a window: their correlation is that per point which they share."""
+    pattern = gaussian_filter1d(np.random.default_rng(0).normal(size=4000), 2.0, mode="wrap")
+    picture = np.stack([np.roll(pattern, 8 * row) for row in range(60)])
+    found = cy.observations.line_speeds(picture, columns=100)  # of 40 pixels
+    assert found.mean == pytest.approx(8.0, abs=0.05)
+    assert np.isfinite(found.speed).all()
 
 
 @pytest.mark.parametrize(

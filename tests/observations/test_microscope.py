@@ -2,17 +2,20 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray
+from scipy.ndimage import maximum_filter
 
 import cyclosis as cy
 from cyclosis.observations import View, observe
+from cyclosis.observations.microscope import tracers
 from cyclosis.observations.microscope.body import body_of
 from cyclosis.observations.microscope.camera import Camera, framing
 from cyclosis.observations.microscope.observe import FORMATS
-from cyclosis.observations.microscope.orientation import structure
+from cyclosis.observations.microscope.orientation import _directions, structure
 from measure.commandline import said
 from observed import LENGTH, RUN, velocity
 
@@ -164,6 +167,33 @@ def test_the_texture_lies_along_the_filaments():
     assert np.median(np.abs(turned)) < 5.0  # filaments themselves scatter by 25 degrees at |P| = 0.9
 
 
+def test_the_mean_of_the_filaments_is_P():
+    """Their directions lie on the surface and have unit length."""
+    body, rng = body_of(RUN), np.random.default_rng(0)
+    xyz = body.scattered(4000, rng)
+    for share in (1.0, 0.3):
+        less = SimpleNamespace(normal=body.normal, filaments=lambda at, t: share * body.filaments(at, t))  # noqa: B023
+        drawn = _directions(less, xyz, 0.0, rng)
+        assert np.abs(np.linalg.norm(drawn, axis=0) - 1).max() < 1e-12
+        assert np.abs((drawn * body.normal(xyz)).sum(axis=0)).max() < 1e-12
+        P = less.filaments(xyz, 0.0)
+        along, size = drawn[2] * np.sign(P[2]), np.abs(P[2])
+        even = np.abs(size - share * 0.9) < 0.02 * share
+        assert even.sum() > 500
+        error = along[even].std() / np.sqrt(even.sum())
+        assert along[even].mean() == pytest.approx(share * 0.9, abs=4 * error)
+
+
+@pytest.mark.parametrize("bright", [True, False])
+def test_rims_of_bright_and_of_dark_cells_are_blurred_the_other_way(bright):
+    """Spots lie inside a bright cell and outside a dark one, and reach half their size across the edge."""
+    rows, _ = np.indices((200, 300))
+    spots = np.random.default_rng(0).random(rows.shape) < 0.05
+    spots &= (np.abs(rows - 95) <= 60) == bright
+    found = cy.observations.rim(maximum_filter(1.0 * spots, 9), kernel_px=9.0)
+    assert found.radius_px == pytest.approx(60.5, abs=2.2)
+
+
 def test_angles_of_stripes_are_counter_clockwise_as_seen():
     y, x = np.indices((80, 80))
     for degrees in (0.0, 30.0, 75.0, -40.0, 90.0):
@@ -206,6 +236,34 @@ def test_fast_water_wraps_and_thick_slices_average():
     thick = shown("mrv", noise_mm_per_s=0.0, slice_um=period).data["speed"].values[0]
     rows = np.where(inside, thick, np.nan)
     assert np.nanmax(np.abs(rows - rows[:, ::-1])) < 2e-3  # the wave along z is gone; sin θ is symmetric
+
+
+def test_half_a_period_leaves_two_over_pi_of_its_wave():
+    """The mean of cos q z over half of its period is 2/π of its peak."""
+    period = 1000 * LENGTH * 0.5
+    options = {"noise_mm_per_s": 0.0, "slice_z": 0.7, "points": 24}
+    thin, half, whole = (
+        shown("mrv", slice_um=share * period, **options).data["speed"].values[0] for share in (0.0, 0.5, 1.0)
+    )
+    wave = (thin - whole)[8:16, 8:16]
+    assert np.abs(wave).max() > 0.003
+    np.testing.assert_allclose((half - whole)[8:16, 8:16], 2 / np.pi * wave, atol=1e-6)
+
+
+def test_particles_are_carried_by_a_method_of_fourth_order(monkeypatch):
+    """In u = (1 + t) e_z x r a particle turns by t + t²/2."""
+    body = SimpleNamespace(
+        times=[0.0, 1.0],
+        velocity=lambda at, t: (1 + t) * np.stack([-at[1], at[0], 0 * at[2]]),
+        held=lambda at: at,
+    )
+    off = []
+    for longest in (0.2, 0.1):
+        monkeypatch.setattr(tracers, "FARTHEST", longest)
+        end = tracers.carried(body, np.array([[1.0], [0.0], [0.3]]), 0.0, 2.0)
+        off.append(np.abs(end[:, 0] - [np.cos(4.0), np.sin(4.0), 0.3]).max())
+    assert off[1] < 1e-3
+    assert np.log2(off[0] / off[1]) == pytest.approx(4.0, abs=0.4)
 
 
 def table(path, skip, delimiter=None):

@@ -195,6 +195,15 @@ def test_any_table_by_its_columns(tmp_path):
     assert header.frames[0].vx.tolist() == [1.0, 1.0, 3.0, 3.0]
 
 
+def test_speeds_are_in_seconds_whatever_the_unit_of_time(tmp_path):
+    path = written(tmp_path, TABLE)
+    given = {"columns": NAMED, "y": "down", "pixel_um": 2.0}
+    for unit, seconds in (("um/s", 1.0), ("um/min", 60.0), ("mm/h", 3.6), ("um/ms", 1e-3)):
+        found = read(path, speed=unit, **given)
+        assert found.time_unit == "s"
+        assert found.frames[0].vx * seconds == pytest.approx([0.5, 0.5, 1.5, 1.5]), unit
+
+
 BROKEN = {
     "empty": ("", "empty"),
     "only blanks": (" \n\n", "empty"),

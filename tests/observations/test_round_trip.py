@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+import xarray
 
 import cyclosis as cy
 from cyclosis.fitting.film import film_of
@@ -145,6 +146,18 @@ def test_z_counts_modulo_the_length_of_the_cell(tmp_path):
     one, far = (compare(data.assign_coords(z=data["z"] + k * LENGTH), HELIX) for k in (0, -3))
     assert far.shift == pytest.approx(one.shift, abs=1e-6)
     assert far.rms == pytest.approx(one.rms, abs=1e-9)
+
+
+def test_the_mirror_image_of_a_run_lies_where_it_is_said_to_lie():
+    """The measured point (θ, z) is the point (rotation - θ, z - shift) of the run, with the other u_θ."""
+    theta, z = np.linspace(2.0, 4.5, 20), np.linspace(0.5, 3.5, 18)
+    u = helical(0.7 - theta[:, None], z - 0.4, 1.0) * np.array([-1.0, 1.0])[:, None, None]
+    places = {"time": [0.0], "theta": theta, "z": z}
+    found = compare(xarray.Dataset({"u": (("time", "component", "theta", "z"), u[None])}, places), HELIX)
+    assert found.mirrored
+    assert found.time == 1.0
+    assert (found.rotation, found.shift) == pytest.approx((0.7, 0.4), abs=1e-5)
+    assert found.rms_of_peak < 1e-6
 
 
 def test_a_measured_film_can_be_fitted_in_its_own_units():

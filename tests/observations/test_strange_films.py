@@ -55,6 +55,20 @@ def test_errors_grow_with_noise_and_fall_with_the_window():
     assert found[0.05, 4.0] / found[0.05, 8.0] == pytest.approx(2, rel=0.15)
 
 
+def test_errors_do_not_depend_on_how_the_picture_is_turned():
+    """Light that varies more across than along: the error of either direction turns with it."""
+    rows, columns = np.indices((160, 160))
+    found = []
+    for angle in (0.0, np.pi / 4, 1.9):
+        across = np.cos(angle) * columns + np.sin(angle) * rows
+        along = np.cos(angle) * rows - np.sin(angle) * columns
+        light = 3 * np.sin(0.7 * across) + np.sin(0.7 * along)
+        noise = 0.05 * np.random.default_rng(0).normal(size=(2, 160, 160))
+        error = moving.standard_error(*(light + noise).astype(np.float32), 6.0)
+        found.append(np.median(error[30:-30, 30:-30]))
+    assert found[1:] == pytest.approx([found[0]] * 2, rel=0.08)
+
+
 def drawn(count, speed, seed=0, still=0.0, noise=0.05):
     """Frames of a texture that moves to the right, over one that stands still."""
     rng = np.random.default_rng(seed)
@@ -115,6 +129,13 @@ def test_a_stage_that_drifts_under_a_stream():
     ]
     found = steady.drift(np.stack(frames).astype(np.float32))
     np.testing.assert_allclose(found[-1], [11.7, -7.8], atol=0.8)
+
+
+def test_the_stage_drifts_in_a_short_film():
+    """Two parts of ten frames each: the drift is that of the frames, from the first to the last."""
+    rest = 4 * gaussian_filter(np.random.default_rng(3).normal(size=(120, 140)), 2.5)
+    found = steady.drift(np.stack([moved(rest, 0.3 * k, -0.2 * k) for k in range(20)]))
+    np.testing.assert_allclose(found[[0, 10, 19]], [[0.0, 0.0], [3.0, -2.0], [5.7, -3.8]], atol=0.3)
 
 
 CASES = {

@@ -5,6 +5,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.vacuole.splines import b_spline, coefficients, compiled_velocity, lattice_of
+from cyclosis.vacuole.tracers import reflected
 from measure.vacuole_flows import bands, stirred, stripes_profile
 
 V = cy.vacuole
@@ -78,6 +79,16 @@ def test_the_stream_function_of_a_helix_is_conserved():
     assert (
         np.abs(exact_psi(bands(np.sin, 0.9 * q, n=16), q, paths.cylindrical[-1]) - before).max()
         > 100 * drift[1]
+    )
+
+
+def test_steps_beyond_the_wall_are_reflected_in_it():
+    """A place and its image are as far from the wall, on one radius; those inside stay."""
+    r, theta, z = np.array([0.0, 0.7, 1.0, 1.2, 1.9, 2.5]), 0.6, 3.0
+    found = np.asarray(reflected(np.stack([r * np.cos(theta), r * np.sin(theta), z + 0 * r])))
+    expected = np.array([0.0, 0.7, 1.0, 0.8, 0.1, 0.0])
+    assert found == pytest.approx(
+        np.stack([expected * np.cos(theta), expected * np.sin(theta), z + 0 * r]), abs=1e-6
     )
 
 

@@ -82,6 +82,15 @@ def test_steady_exchange_with_a_pattern_outside():
     expected = biot / (1 + biot) * found.r[:, None] * np.cos(found.theta)
     assert np.allclose(found.c, expected[:, :, None], atol=1e-5)
     assert np.allclose(found.wall_slope, biot / (1 + biot) * np.cos(found.theta)[:, None], atol=1e-5)
+    assert found.gradient == pytest.approx((biot / (1 + biot)) ** 2, rel=1e-4)  # of c = x biot/(1 + biot)
+
+
+def test_bands_across_a_helix_exchange_as_the_field_in_the_whole_vacuole():
+    flow, q = bands(np.sin, 0.4 * np.pi, n=16), 0.4 * np.pi
+    wall = cy.vacuole.Held(lambda theta, z: np.cos(q * z) + 0 * theta)
+    found = cy.vacuole.steady(flow, 20.0, wall, n_r=12, shape=(32, 32))
+    along = np.abs(np.fft.rfft(found.wall_slope.mean(axis=0), norm="forward")[1]) * 2
+    assert along == pytest.approx(cy.vacuole.band_exchange(flow, 20.0, q), rel=1e-5)
 
 
 def test_other_walls_and_flows_are_refused():

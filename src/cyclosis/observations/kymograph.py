@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,7 @@ import numpy.typing as npt
 from ..display.shown import shown
 from ..model.arrays import numbers
 from ..model.doors import door
-from ..model.errors import InputError, number, whole
+from ..model.errors import InputError, whole
 
 Array = npt.NDArray[np.float64]
 LEAST_PEAK = 0.15
@@ -132,12 +131,3 @@ def _next_peak(curve: Array, best: int) -> float:
         high += 1
     rest = np.concatenate([curve[:low], curve[high + 1 :]])
     return float(rest.max()) if rest.size else 0.0
-
-
-def as_speed(shift: Any, pixel: float, row: float) -> Any:
-    """Return a shift per row as a speed: pixels of size `pixel`, rows `row` apart in time."""
-    return (
-        shift
-        * number("pixel", pixel, 1e-12, 1e12, "give its size")
-        / number("row", row, 1e-12, 1e12, "give it")
-    )
