@@ -169,6 +169,7 @@ SMALLER = {
 
 @pytest.mark.filterwarnings("ignore:the mean line of the flow:UserWarning")  # which a page is about
 @pytest.mark.parametrize("page", timed(EXECUTED))
+@pytest.mark.slow
 def test_the_cells_of_the_pages_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")

@@ -71,6 +71,7 @@ def test_a_vector_has_the_size_of_its_state_and_rotations_are_what_they_say():
         np.testing.assert_allclose((turned[1] - turned[0]) / 2e-3, slope, rtol=0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_state_from_pole_to_pole_has_the_modes_of_its_azimuthal_rates():
     params, grid = cy.Parameters(alpha_p=0.5, alpha_u=0.05), cy.ClosedGrid(cy.Capsule(2.0), k_max=8)
     axial = cy.stability.source_to_sink(params, grid)

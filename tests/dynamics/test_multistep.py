@@ -107,6 +107,7 @@ def run(t_end=6.0, **how):
     return cy.simulate(cy.Parameters(), GRID, cy.initial.disordered(GRID, 100, seed=1), t_end, **how)
 
 
+@pytest.mark.slow
 def test_it_agrees_with_the_default_stepper_and_counts_its_right_hand_sides():
     found, exact = run(12.0, rtol=1e-6), run(12.0, stepper="adaptive", rtol=1e-8)
     assert np.abs(found.final_state - exact.final_state).max() < 1e-4

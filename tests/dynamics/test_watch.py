@@ -11,6 +11,7 @@ from cyclosis.dynamics.watch import Watch
 
 
 @pytest.mark.parametrize(("n", "status"), [(16, "diverged"), (32, "underresolved")])
+@pytest.mark.slow
 def test_what_a_newcomer_tries_first_names_a_grid(n, status):
     grid = cy.CylinderGrid(n, n)
     run = cy.simulate(cy.Parameters(), grid, cy.initial.disordered(grid), 20.0)
@@ -25,6 +26,7 @@ def test_what_a_newcomer_tries_first_names_a_grid(n, status):
 @pytest.mark.parametrize(
     ("name", "value"), [("alpha_p", 0.3), ("d_s", 0.1), ("epsilon", 1.0), ("alpha_u", 1.0)]
 )
+@pytest.mark.slow
 def test_the_grid_that_is_named_is_enough(name, value):
     params = cy.Parameters(**{name: value})
     grid = cy.CylinderGrid(*enough(params, cy.CylinderGrid(8, 8)))

@@ -23,6 +23,7 @@ def cyclosis(**values):
     return attractor(polar.problem(params, GRID), problem, steady(problem, y))
 
 
+@pytest.mark.slow
 def test_alignment_finds_the_shift():
     known = cyclosis(alpha_p=0.3)
     for distance in (0.0, 0.1, 2.0, -3.0):

@@ -163,6 +163,7 @@ def test_a_member_that_diverges_is_a_result_and_the_others_go_on():
     assert same(outcomes[1], follow([calm, calm], EnsembleSettings(t_end=60.0, lanes=3))[0])
 
 
+@pytest.mark.slow
 def test_a_coarse_grid_is_noticed():
     grid = cy.CylinderGrid(24, 20, 5.0)
     (outcome,) = follow([member(grid=grid)], EnsembleSettings(t_end=100.0))

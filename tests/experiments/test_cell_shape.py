@@ -59,6 +59,7 @@ def test_theory_of_straightening_is_that_of_the_whole_cell() -> None:
     assert zone_course.straightening(5.0) == pytest.approx(0.0541, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_short_cell_is_followed_and_pictured() -> None:
     course = zone_course.follow(1.0, 0, (1.0, 2.0))
     assert course.paired.shape == course.slope.shape == course.winding.shape == (2,)

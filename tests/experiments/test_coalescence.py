@@ -60,6 +60,7 @@ def test_a_crossing_lies_where_a_straight_line_has_its_zero():
     assert np.isnan(done.crossing(near, -near))
 
 
+@pytest.mark.slow
 def test_fronts_creep_as_the_law_has_it():
     distance, speed, law = fronts_of.creep(0.2, 4.0)
     assert 3.8 < distance / fronts_of.front(Parameters(alpha_p=0.2))[0] < 4

@@ -17,6 +17,7 @@ def test_error_falls_geometrically_with_resolution():
 
 
 @pytest.mark.parametrize("stepper", [name for name, method in METHODS.items() if not method.adaptive])
+@pytest.mark.slow
 def test_fixed_steppers_have_the_order_that_they_claim(stepper):
     check(manufactured.fixed_steps(stepper))
 

@@ -30,7 +30,7 @@ from .search import WIDTH, Found, Near, approached, ended
 from .windows import Window
 
 STAGES = 32
-"""Steps that a search usually takes, for the progress."""
+"""Steps that one search takes at most, as a rule, for the progress."""
 LEAST = 4
 """One frame less than the fewest."""
 WRONG = 1.5
@@ -164,6 +164,11 @@ def _ratio(match: Match, found: Found) -> float:
     return float(sum(match.share[name] * (part @ part) for name, part in parts.items())) / _free(match, found)
 
 
+def _total(done: int) -> int:
+    """Return the steps to expect after some: those of as many searches as these make, and the last one."""
+    return STAGES * (1 + done // STAGES) + 1
+
+
 def _fitted(
     match: Match,
     film: Film,
@@ -182,7 +187,7 @@ def _fitted(
     def told() -> None:
         done[0] += 1
         if progress is not None:
-            progress(min(done[0], STAGES), STAGES + 1)
+            progress(done[0], _total(done[0]))
 
     end = _searched(match, film, seed, told)
     match, found, ratio, over = end.match, end.found, end.ratio, end.over
@@ -231,7 +236,7 @@ def _fitted(
         told_of = ", ".join(name for name in lost if name in names)
         sentence = f"This film cannot tell {told_of}; film the hours in which streaming appears, or fix them."
     if progress is not None:
-        progress(STAGES + 1, STAGES + 1)
+        progress(_total(done[0]), _total(done[0]))
     return Fit(
         "film",
         *of_logarithms(names, best, logs, lost),
