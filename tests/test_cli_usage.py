@@ -332,3 +332,9 @@ def test_quiet_says_nothing_unless_something_is_amiss(tmp_path):
     assert code == 1
     assert "Diverged" in out
     assert "b.nc" in out
+
+
+def test_an_option_of_another_command_is_named_with_it():
+    said = refused("stability", "threshold", "--model", "kinetic")
+    assert "leave it out; it belongs to `cyclosis stability dispersion`" in said
+    assert "`cyclosis run`" in refused("info", "x.nc", "--seed", "3")

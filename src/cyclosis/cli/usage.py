@@ -125,9 +125,23 @@ def sentence(error: Any) -> str:
     name = getattr(error, "option_name", None)
     if name is not None and hasattr(error, "possibilities"):
         known = [option for param in error.ctx.command.params for option in param.opts] if error.ctx else []
-        return str(InputError("option", name, f"an option of `{command}`", closest(name, known)))
+        remedy = _elsewhere(error.ctx, name) or closest(name, known)
+        return str(InputError("option", name, f"an option of `{command}`", remedy))
     text = " ".join(error.format_message().split()).rstrip(".")
     return f"{text[:1].lower()}{text[1:]}; `{command} --help` shows the usage."
+
+
+def _elsewhere(ctx: Any, name: str) -> str:
+    """Return which commands of the same group take an option, in words, or "" if there are none."""
+    group = ctx.parent.command if ctx is not None and ctx.parent is not None else None
+    if not isinstance(group, TyperGroup):
+        return ""
+    siblings = [(each, group.get_command(ctx.parent, each)) for each in group.list_commands(ctx.parent)]
+    found = [each for each, one in siblings if one and any(name in param.opts for param in one.params)]
+    commands = [f"`{ctx.parent.command_path} {each}`" for each in found]
+    if not commands:
+        return ""
+    return f"leave it out; it belongs to {' and '.join(filter(None, [', '.join(commands[:-1]), commands[-1]]))}"
 
 
 def asks_for_help(error: Any) -> bool:
