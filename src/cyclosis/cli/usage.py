@@ -141,7 +141,8 @@ def _elsewhere(ctx: Any, name: str) -> str:
     commands = [f"`{ctx.parent.command_path} {each}`" for each in found]
     if not commands:
         return ""
-    return f"leave it out; it belongs to {' and '.join(filter(None, [', '.join(commands[:-1]), commands[-1]]))}"
+    *others, last = commands
+    return f"leave it out; it belongs to {', '.join(others)}{' and ' if others else ''}{last}"
 
 
 def asks_for_help(error: Any) -> bool:

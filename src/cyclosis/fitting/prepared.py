@@ -199,7 +199,8 @@ def prepared(
     span = float(film.z[-1] - film.z[0])
     if length is None:
         length = float(own) if own is not None else 1.2 * span
-    period = number("length", length, max(span - 1e-9, 0.1), 1e3, "give the period of the cell, in radii")
+    remedy = f"give the period of the cell, in radii; {span:.3g} of them were measured along it"
+    period = number("length", length, max(span - 1e-9, 0.1), 1e3, remedy)
     if (film.times[-1] - film.times[0]) / DT > LONGEST:
         rule = f"no longer than {LONGEST * DT:g} R/U for a fit of a film"
         raise InputError(
