@@ -34,7 +34,7 @@ def play(page, on=True):
 
 def seen(page):
     """The middle of the cylinder as it is drawn: within one stripe."""
-    with Image.open(io.BytesIO(page.locator("#cylinder canvas").screenshot())) as picture:
+    with Image.open(io.BytesIO(page.locator("#cylinder canvas").first.screenshot())) as picture:
         pixels = np.asarray(picture.convert("RGB")).astype(int)
     high, wide, _ = pixels.shape
     return pixels[high * 2 // 5 : high * 3 // 5, wide * 9 // 20 : wide * 11 // 20].sum(axis=-1)
@@ -193,6 +193,7 @@ def test_numbers_beside_the_traces_are_whole_however_small(page):
     })"""
     begin(page, "disordered")
     page.locator("#charts").scroll_into_view_if_needed()
+    page.wait_for_timeout(1000)  # what is out of sight is drawn when it is seen
     found = page.evaluate(inked)
     assert len(found) == 5
     for edge, labels in found:

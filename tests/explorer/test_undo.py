@@ -67,8 +67,12 @@ def test_pieces_of_one_gesture_are_undone_together_and_few_are_kept(monkeypatch)
         now += 0.5
     wound(session)
     assert len(session.done) == 2
-    session.undo()
-    session.undo()
+    # A drug that acts on a parameter is no continuation of the hand that moved it.
+    session.change({"alpha_p": 0.6})
+    session.drug("cytochalasin")
+    assert len(session.done) == 4
+    for _ in range(4):
+        session.undo()
     assert (session.live.t, session.words(0.0)["undo"]) == (0.0, 0)
     for _ in range(MOST + 3):
         now += 2.0

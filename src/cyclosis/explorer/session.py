@@ -92,20 +92,20 @@ class Session:
             )
         return False
 
-    def change(self, values: Mapping[str, Any]) -> None:
-        """Change parameters from now on; several changes at one time are one step."""
+    def change(self, values: Mapping[str, Any], drug: str = "") -> None:
+        """Change parameters from now on, by hand or by a drug; several changes at one time are one step."""
         t, steps, given = self.live.t, list(self.live.protocol), dict(values)
         last = max((k for k, step in enumerate(steps) if step.at == t), default=-1)
         if last >= 0 and isinstance(steps[last], Change) and _everywhere(steps[last]):
             values = dict(getattr(steps[last], "values", ())) | dict(values)
             del steps[last]
-        self._do(change(t, **values), steps, ("change", *given))
+        self._do(change(t, **values), steps, ("change", drug, *given))
         self.own |= given
 
     def drug(self, name: str) -> None:
         """Give a drug, or wash out all drugs."""
         if name in DRUGS:
-            self.change(DRUGS[name])
+            self.change(DRUGS[name], name)
         else:
             self._do(wash_out(self.live.t), list(self.live.protocol), ("wash_out",))
             self.own = {}

@@ -56,8 +56,8 @@ export class Cell {
     return false;
   }
 
-  /** Change parameters from now on; several changes at one time are one step. */
-  change(given: Table): void {
+  /** Change parameters from now on, by hand or by a drug; several changes at one time are one step. */
+  change(given: Table, drug = ''): void {
     const { t } = this.live;
     const steps = [...this.live.protocol.steps];
     const last = steps.findLastIndex((step) => step.at === t);
@@ -67,13 +67,13 @@ export class Cell {
       values = { ...before.values, ...given };
       steps.splice(last, 1);
     }
-    this.act(stepOf({ at: t, action: 'change', ...values }, this.about), `change ${Object.keys(given).join(' ')}`, steps);
+    this.act(stepOf({ at: t, action: 'change', ...values }, this.about), `change ${drug} ${Object.keys(given).join(' ')}`, steps);
     this.own = { ...this.own, ...given };
   }
 
   drug(name: string): void {
     const values = this.about.drugs[name];
-    if (values) this.change(values);
+    if (values) this.change(values, name);
     else {
       this.act(stepOf({ at: this.live.t, action: 'wash_out' }, this.about), 'wash_out');
       this.own = {};
