@@ -93,7 +93,7 @@ def test_a_capsule_is_chosen_painted_over_its_pole_and_kept(page, address, tmp_p
     wait(page, "cell.t > 0")
     # From above, a stroke across the picture passes the north pole.
     page.locator("#tool-turn").press("Enter")
-    canvas = page.locator("#cylinder canvas")
+    canvas = page.locator("#cylinder canvas").first
     canvas.focus()
     for _ in range(20):
         page.keyboard.press("ArrowDown")
@@ -155,7 +155,7 @@ def test_the_presets_run_and_are_seen_from_all_sides(page, preset):
     page.locator("#play").press("Enter")
     wait(page, "cell.playing === false")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    canvas = page.locator("#cylinder canvas")
+    canvas = page.locator("#cylinder canvas").first
     canvas.focus()
     seen = []
     for key in ("Home", *["ArrowDown"] * 18):
