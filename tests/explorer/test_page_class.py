@@ -144,6 +144,6 @@ def test_the_page_speaks_german_and_keeps_its_cell(page):
     assert page.inner_text("#clock") == "t = 0,0"
     assert page.evaluate(NAMELESS) == []
     unfold(page)
-    page.wait_for_function(f"({BEYOND})().length === 0", timeout=5000)
+    wait(page, f"({BEYOND})().length === 0", 10)
     page.keyboard.press("t")
     assert "Zelle" in page.inner_text("#tour-title")
