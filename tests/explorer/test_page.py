@@ -34,7 +34,11 @@ def play(page, on=True):
 
 def seen(page):
     """The middle of the cylinder as it is drawn: within one stripe."""
-    with Image.open(io.BytesIO(page.locator("#cylinder canvas").first.screenshot())) as picture:
+    place = page.locator("#cylinder")
+    place.evaluate("cylinder => cylinder.scrollIntoView({ block: 'nearest' })")
+    # A screenshot of the element itself would wait for it to rest.
+    shot = page.screenshot(clip=place.bounding_box())
+    with Image.open(io.BytesIO(shot)) as picture:
         pixels = np.asarray(picture.convert("RGB")).astype(int)
     high, wide, _ = pixels.shape
     return pixels[high * 2 // 5 : high * 3 // 5, wide * 9 // 20 : wide * 11 // 20].sum(axis=-1)
