@@ -73,12 +73,15 @@ def kinetic() -> None:
 
 def refused(call: Any) -> tuple[str, float]:
     """Return the result of a call in words, and its processor time."""
-    began = time.process_time()
-    try:
-        told = f"{call():.6g}"
-    except cy.InputError as error:
-        told = "refused: " + str(error).split(" must be ")[-1].split(";")[0]
-    return told, time.process_time() - began
+
+    def told() -> str:
+        try:
+            return f"{call():.6g}"
+        except cy.InputError as error:
+            return "refused: " + str(error).split(" must be ")[-1].split(";")[0]
+
+    seconds, words = spent(told)
+    return words, seconds
 
 
 def transport() -> None:

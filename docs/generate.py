@@ -142,9 +142,7 @@ def _cell(text: str) -> str:
 
 def symbols() -> str:
     """Return the page of symbols and the names that they have in code."""
-    if str(HERE) not in sys.path:
-        sys.path.insert(0, str(HERE))
-    return NOTE + str(import_module("symbol_table").page())
+    return NOTE + _page_of("symbol_table")
 
 
 def gallery() -> str:
@@ -291,12 +289,14 @@ def claims() -> str:
 
 def models_compared() -> str:
     """Return the page that judges the claims by every model."""
-    spec = spec_from_file_location("compared", HERE / "compared" / "__init__.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules["compared"] = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return str(module.page())
+    return _page_of("compared")
+
+
+def _page_of(name: str) -> str:
+    """Return the page that a module beside this file writes."""
+    if str(HERE) not in sys.path:
+        sys.path.insert(0, str(HERE))
+    return str(import_module(name).page())
 
 
 def _parts(text: str) -> list[str]:

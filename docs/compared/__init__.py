@@ -114,7 +114,7 @@ def page(stored: Stored | None = None) -> str:
 
 
 def verdicts(stored: Stored | None = None) -> dict[str, dict[str, str]]:
-    """Return the verdict by title of the row and by model, "" where there is none."""
+    """Return the verdict by title of the row and by model, "" without one."""
     stored = stored or Stored()
     found = {row.title: row.cells(stored) for row in ROWS}
     return {title: {c: cells.get(c, ("", ""))[0] for c in COLUMNS} for title, cells in found.items()}

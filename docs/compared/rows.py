@@ -12,7 +12,7 @@ from cyclosis.analysis.regimes import REGIMES
 from cyclosis.experiments.experiment import AGREES, DOES_NOT, IN_PART
 
 Cells = dict[str, tuple[str, str]]
-"""Verdict, "" where there is none, and number, by the name of the model."""
+"""Verdict, or "" without one, and number, by the name of the model."""
 KAPPA, D_R = 0.5, 0.025
 """The paper's repulsion and rotational diffusion."""
 STRONG, THIN = 0.3, 0.007

@@ -74,9 +74,7 @@ def run_lanes(
         def step(_: Any, at: StepperState) -> StepperState:
             return try_step(system, control, table, at, t_end)
 
-        now = jax.lax.fori_loop(
-            0, CHECK_STEPS, lambda _, at: try_step(system, control, table, at, t_end), now
-        )
+        now = jax.lax.fori_loop(0, CHECK_STEPS, step, now)
         return now, packed(lane_state(system, now, t_end, how=how))
 
     return jax.vmap(one)(how.values(systems), lanes)

@@ -118,10 +118,8 @@ def _searched(match: Match, film: Film, seed: int, told: Callable[[], None]) -> 
         ends.append(_ended(reached, aged, STARTS, told))
     best = max(ends, key=lambda end: end.found.evidence)
     if best.ratio < SPARSE:
-        quiet, over = best.match.quieter(
-            best.found.left, _free(best.match, best.found) / best.found.left.size
-        )
         found = best.found
+        quiet, over = best.match.quieter(found.left, _free(best.match, found) / found.left.size)
         found = ended(quiet.problem(), found.x, found.sizes, found.width, told)
         best = replace(best, match=quiet, found=found, ratio=_ratio(quiet, found), over=over)
     return replace(best, starts=max(end.starts for end in ends))
@@ -129,9 +127,7 @@ def _searched(match: Match, film: Film, seed: int, told: Callable[[], None]) -> 
 
 def _ended(near: Near, match: Match, starts: int, told: Callable[[], None]) -> End:
     problem = match.problem()
-    sizes = problem.sizes(
-        near.scale * problem.first(np.append(near.y[: problem.logs], np.ones(problem.squares.size)))
-    )
+    sizes = problem.sizes(near.scale * problem.shrinkage(near.y))
     found = ended(problem, problem.first(near.y), sizes, WIDTH, told)
     return End(match, found, _ratio(match, found), 1.0, starts)
 

@@ -132,8 +132,7 @@ class Match:
 
     def growth(self, logs: Array) -> tuple[Array, Array]:
         """Return what disorder grows by up to the age, as exponents of all waves, and their slopes."""
-        given = dict(zip(self.layout.fixed, self.arrays.fixed, strict=True))
-        given |= dict(zip(self.layout.free, np.exp(np.clip(logs, -20, 20)), strict=True))
+        given = self._values(logs)
         along = given.get("repulsion_angle", 0.0)
         across = np.repeat([np.cos(along) ** 2, np.sin(along) ** 2], self.squares.size)
         ones = np.ones(across.size)
@@ -144,12 +143,14 @@ class Match:
         slopes = np.array([terms.get(name, np.zeros(across.size)) for name in self.layout.free])
         return whole, slopes.reshape(len(self.layout.free), across.size)
 
+    def _values(self, logs: Array) -> dict[str, Any]:
+        """Return all parameters by name, kept from numbers that overflow."""
+        given = dict(zip(self.layout.fixed, self.arrays.fixed, strict=True))
+        return given | dict(zip(self.layout.free, np.exp(np.clip(logs, -20, 20)), strict=True))
+
     def step(self, x: Array, longest: float, quick: float) -> float:
         """Return a step in R/U that the rates of some parameters allow, from a ladder of halves."""
-        given = dict(zip(self.layout.fixed, self.arrays.fixed, strict=True))
-        given |= dict(
-            zip(self.layout.free, np.exp(np.clip(x[: len(self.layout.free)], -20, 20)), strict=True)
-        )
+        given = self._values(x[: len(self.layout.free)])
         rate = 2 * given["U"] * (given["alpha_p"] + given["alpha_u"])
         while longest * rate > quick and longest > SHORTEST:
             longest /= 2

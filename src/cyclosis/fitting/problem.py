@@ -73,9 +73,10 @@ class Problem:
 
     def first(self, y: Array) -> Array:
         """Return the unknowns x of what the growth of disorder makes of them."""
-        return y * self._shrunk(y)
+        return y * self.shrinkage(y)
 
-    def _shrunk(self, y: Array) -> Array:
+    def shrinkage(self, y: Array) -> Array:
+        """Return by what the unknowns x are smaller than y."""
         return np.concatenate([np.ones(self.logs), np.exp(-self.growth(y[: self.logs])[0])])
 
     def later(self) -> Problem:
@@ -86,7 +87,7 @@ class Problem:
             x = self.first(y)
             slopes = self.jacobian(x, used)
             turn = self.growth(y[:n])[1] * x[n:]
-            found: Array = slopes * self._shrunk(y)[:, None]
+            found: Array = slopes * self.shrinkage(y)[:, None]
             found[:n] -= turn @ slopes[n:]
             return found
 

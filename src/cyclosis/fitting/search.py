@@ -59,10 +59,6 @@ LEAP = 0.7
 """Largest change of the logarithm of a parameter in one step."""
 WIDTHS, SIZES = (1.0, 4.0), (0.003, 0.5)
 """Bounds of K, in waves per radian, and of the root mean square of P by the prior."""
-
-
-WIDTHS, SIZES = (1.0, 4.0), (0.003, 0.5)
-"""Bounds of K, in waves per radian, and of the root mean square of P by the prior."""
 Slopes = tuple[Array, Array, Array]
 """The slopes, the misfit and x - x_0 at a point."""
 

@@ -1,7 +1,7 @@
 import { eight, lastEight } from './eight';
 import { firstFour, five, four, lastFour, prime, three, two } from './radices';
 
-// One-dimensional complex transforms of many lines at once, by the Stockham algorithm with radices 4, 2, 3, 5
+// One-dimensional complex transforms of many lines at once, by the Stockham algorithm with radices 8, 4, 2, 3, 5
 // and any other prime. Complex numbers are interleaved: re, im, re, im, ...
 //
 // Why not a package: fft.js (MIT), the fastest in plain JavaScript, takes powers of two only, but cells have 48 x
@@ -19,7 +19,7 @@ export function factors(n: number): number[] {
   for (; twos >= 3 && twos !== 4; twos -= 3, left /= 8) out.push(8);
   for (; left % 4 === 0; left /= 4) out.push(4);
   for (let p = 2; left > 1; p += 1) for (; left % p === 0; left /= p) out.push(p);
-  // The radices 4 come last, where their roots are 1.
+  // Radices 8, or else 4, come last, where their roots are 1.
   return out.reverse();
 }
 

@@ -257,7 +257,8 @@ export class Scene {
   canvases(everything: boolean): HTMLCanvasElement[][] {
     this.draw(performance.now(), everything);
     const map = [this.map.still, this.map.moving];
-    if (this.flat) return [[this.flat.canvas], map];
+    const { flat } = this;
+    if (flat) return [[flat.canvas], map];
     return this.cylinder && !this.lost ? [[this.canvas], map] : [map];
   }
 
