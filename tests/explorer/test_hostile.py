@@ -62,7 +62,12 @@ def port(server):
 )
 def test_a_hostile_client_is_answered_briefly(port, name, answer, monkeypatch):
     monkeypatch.setattr(attacks, "BEGIN", SMALL)
-    assert answer in attacks.ATTACKS[name](port, 0.5)
+    found = ""
+    for seconds in (0.5, 2.0, 8.0):  # a busy machine sends too little in half a second to be cut off
+        found = attacks.ATTACKS[name](port, seconds)
+        if answer in found:
+            return
+    raise AssertionError(found)
 
 
 def test_more_random_numbers_than_the_grid_takes_are_refused(port):
