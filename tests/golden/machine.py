@@ -1,4 +1,4 @@
-"""What last digits depend on besides the code: processor, JAX and NumPy. Each kind of machine has its records."""
+"""What last digits depend on besides the code: processor, JAX, NumPy. Every kind of machine has records."""
 
 from pathlib import Path
 
