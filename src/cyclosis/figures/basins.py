@@ -320,5 +320,5 @@ def _lines(ax: Any, bar: Any, sweep: Swept, lines: Mapping[int, Separation]) -> 
         ends = [max(first[k] - 1, 0), min(last[k] + 2, side.values.size)]
         ax.set(**{name: side.edges[ends]})
     ax.set_title("point by point", loc="left", pad=4.0, fontsize=9.0)
-    ax.set_xlabel(x.symbol, labelpad=1.0)
-    ax.set_ylabel(y.symbol, labelpad=2.0)
+    plane.label(ax.xaxis, x, 1.0)
+    plane.label(ax.yaxis, y, 2.0)

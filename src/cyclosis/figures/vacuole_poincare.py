@@ -14,8 +14,9 @@ from ..model.errors import InputError, number, whole
 from ..vacuole import poincare, stream_function, trace
 from ..vacuole.flow import VacuoleFlow
 from ..vacuole.section import winding
+from . import looks, quantities
 from .looks import setting
-from .style import INK, QUIET, TYPE, blank, place
+from .style import INK, QUIET, TYPE, blank, place, scale_bar
 
 __all__ = [
     "vacuole_poincare",
@@ -78,8 +79,9 @@ def vacuole_poincare(
         ax.add_patch(Circle((0, 0), 1.0, facecolor="none", edgecolor=INK, linewidth=0.8, zorder=3))
         ax.set(xlim=(-1.03, 1.03), ylim=(-1.03, 1.03), aspect="equal")
         ax.set_axis_off()
-        ax.set_title(f"$z$ = {height:g}", loc="left", fontsize=10.0, pad=2.0)
-        told = f"{count} tracers, {duration:g} $R/U$"
+        ax.set_title(f"$z$ = {quantities.words(height, 'length', 'g')}", loc="left", fontsize=10.0, pad=2.0)
+        told = f"{count} tracers, {quantities.words(duration, 'time', 'g', '$R/U$')}"
+        scale_bar(ax, looks.scales(), (-1.0, 1.0, -0.9, 1.0))
         ax.set_title(told, loc="right", fontsize=9.0, pad=2.0)
         return figure
 
