@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from contextvars import ContextVar
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -99,14 +99,10 @@ ALONE = {
 _WIDTH: ContextVar[float | None] = ContextVar("width", default=None)
 
 
-def with_units(function: Callable[..., None]) -> Callable[..., None]:
-    """Add `ALONE` to a command. While it runs, figures and reports have these scales."""
-    return _within(function, ALONE)
-
-
-def within_looks(function: Callable[..., None]) -> Callable[..., None]:
-    """Add the options of looks and units to a command. While it runs, all figures have them."""
-    return _within(function, _ADDED | ALONE)
+def within_looks(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Add options of looks, by default all, and units to a command. While it runs, all figures have them."""
+    chosen = {name: _ADDED[name] for name in names} if names else _ADDED
+    return partial(_within, options=chosen | ALONE)
 
 
 def _within(function: Callable[..., None], options: Mapping[str, Any]) -> Callable[..., None]:

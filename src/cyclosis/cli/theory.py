@@ -46,7 +46,7 @@ FULL = Annotated[
 ]
 
 
-@within_looks
+@within_looks()
 @with_options("parameters", "model")
 def dispersion(
     base: Annotated[
@@ -112,7 +112,7 @@ def _kinetic_dispersion(
     targets.write(out, draw, found[0].to_dataset)
 
 
-@within_looks
+@within_looks()
 @with_options("parameters")
 def profile(
     stripes: COUNT = 2,
@@ -141,7 +141,7 @@ def profile(
     targets.write(out, draw, found.to_dataset)
 
 
-@within_looks
+@within_looks()
 @with_options("parameters")
 def spectrum(
     stripes: COUNT = 2,
@@ -179,7 +179,7 @@ def spectrum(
     targets.write(out, draw, modes.to_dataset)
 
 
-@within_looks
+@within_looks()
 @with_options("parameters")
 def threshold(
     over: Annotated[
@@ -224,7 +224,7 @@ def threshold(
     targets.write(out, draw, found.to_dataset)
 
 
-@within_looks
+@within_looks()
 @with_options("parameters")
 def branch(
     parameter: Annotated[str, typer.Argument(metavar="PARAMETER", help="Parameter that varies.")],
@@ -283,7 +283,7 @@ def branch(
     targets.write(out, draw, found[0].to_dataset)
 
 
-@within_looks
+@within_looks()
 @with_options("parameters")
 def regime_map(
     x: Annotated[str, typer.Option(metavar="AXIS", help="Horizontal axis, NAME=START:STOP:COUNT[:log].")],

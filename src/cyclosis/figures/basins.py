@@ -18,6 +18,7 @@ from ..analysis.wilson import wilson
 from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
+from ..model.units import scales_in, shown_in
 from . import plane
 from .looks import setting
 from .style import INK, SHADE, WIDTH, blank, place
@@ -126,7 +127,7 @@ def basins(
     sweep = swept(dataset, select, log, beside=(NUMBER,))
     found = members(sweep)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
-    with setting(plane.TYPE):
+    with shown_in(scales_in(dataset)), setting(plane.TYPE):
         return _drawn(sweep, found, width)
 
 

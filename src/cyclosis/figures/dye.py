@@ -35,13 +35,19 @@ COLOURS = "magma_r"
 
 
 @door
-def dye(transport: Transport, path: str | os.PathLike[str], seconds: float = 8.0, height: int = 360) -> Path:
+def dye(
+    transport: Transport,
+    path: str | os.PathLike[str],
+    seconds: float = 8.0,
+    height: int = 360,
+    about: str = "",
+) -> Path:
     """Write the frames of a scalar in the vacuole as a movie, MP4 or GIF by suffix, and return its path.
 
     On the left is the cross-section at half of the length, on the right the section along the axis through
     θ = 0 and π. Colours run from 0, or the least value if it is negative, to the largest of the first frame.
-    Times are in R/U; `height` is in pixels, even. Raises `InputError` for fewer than two frames: give
-    `cyclosis.vacuole.transport` some `frames`.
+    Times are in R/U; `height` is in pixels, even; `about` goes to the comment of the file. Raises
+    `InputError` for fewer than two frames: give `cyclosis.vacuole.transport` some `frames`.
 
     Example:
         >>> import numpy as np
@@ -60,7 +66,7 @@ def dye(transport: Transport, path: str | os.PathLike[str], seconds: float = 8.0
     seconds = number("seconds", seconds, 0.1, 3600.0, "choose a duration")
     height = whole("height", height, 60, 2160, "choose a number of pixels")
     low, high = min(float(transport.frames[0].min()), 0.0), float(transport.frames[0].max())
-    with Output(path, len(transport.frames), seconds) as output, setting(TYPE):
+    with Output(path, len(transport.frames), seconds, about) as output, setting(TYPE):
         for c, t in zip(transport.frames, transport.frame_times, strict=True):
             output.add(_picture(transport, c, float(t), low, high, height))
     return Path(path)

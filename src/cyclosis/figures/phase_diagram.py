@@ -14,6 +14,7 @@ from ..analysis.wilson import wilson
 from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
+from ..model.units import scales_in, shown_in
 from . import plane
 from .looks import setting
 from .regime_maps import regimes_and_time as regimes_and_time
@@ -90,7 +91,7 @@ def phase_diagram(
     sweep = swept(dataset, select, log)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
     lines = [*thresholds(sweep.params, sweep.axes), *given(curves)]
-    with setting(plane.TYPE):
+    with shown_in(scales_in(dataset)), setting(plane.TYPE):
         if len(sweep.axes) == 1:
             return _curve(sweep, lines, width)
         return _map(sweep, lines, chosen_cuts(sweep, cuts), width)

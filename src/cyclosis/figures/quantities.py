@@ -27,6 +27,21 @@ def words(value: float, kind: str, digits: str = ".4g", plain: str = "") -> str:
     return told.rstrip()
 
 
+def when(time: float) -> str:
+    """Return a time as it stands above a picture.
+
+    Example:
+        >>> import cyclosis as cy
+        >>> from cyclosis.figures import looks, quantities
+        >>> quantities.when(30.0)
+        '$t$ = 30'
+        >>> with looks.chosen(scales=cy.Scales(500.0, 75.0)):
+        ...     quantities.when(30.0)
+        '$t$ = 3.33 min'
+    """
+    return f"$t$ = {words(time, 'time', 'g')}"
+
+
 def name(side: Any, text: str, kind: str, plain: str = "", **how: Any) -> Unit:
     """Name the horizontal or vertical axis `side` of a quantity, put its ticks at round numbers of its unit.
 

@@ -14,6 +14,7 @@ from ..analysis.regimes import REGIMES
 from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array
+from ..model.units import scales_in, shown_in
 from . import plane, quantities
 from .looks import setting
 from .style import INK, SHADE, UP, WIDTH, ZONE, blank, place
@@ -79,7 +80,7 @@ def regimes_and_time(
     sweep = swept(dataset, select, log)
     times = sweep.variable("t_order")
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
-    with setting(plane.TYPE):
+    with shown_in(scales_in(dataset)), setting(plane.TYPE):
         if len(sweep.axes) == 1:
             return _stack(sweep, times, width)
         return _maps(sweep, time_to_order(sweep.regime, times), width)

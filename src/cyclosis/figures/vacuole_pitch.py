@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from ..model.doors import door
-from ..model.errors import InputError
+from ..model.errors import InputError, number
 from ..vacuole.helix import axis_speed, radial_stream
 from . import quantities
 from .looks import setting
@@ -48,6 +48,7 @@ def vacuole_pitch(pitches: tuple[float, ...] = SHOWN, width: float = WIDTH) -> F
     if len(pitches) != 4:
         raise InputError("pitches", pitches, "four numbers", "choose those to draw")
     speeds = axis_speed(pitches)
+    width = number("width", width, 130.0, 1000.0, "choose a width in millimetres")
     with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         across = width - _LEFT - 2 * _SECTION - 3 * _GAP

@@ -62,6 +62,7 @@ def vacuole_section(
     if angle is None:
         angle = float(theta[np.argmax(np.abs(rim))])
     angle = number("angle", angle, -1e6, 1e6, "choose an angle in radians")
+    width = number("width", width, 130.0, 1000.0, "choose a width in millimetres")
     with setting(TYPE):
         figure = blank(width, _BELOW + _SIDE + _ABOVE)
         peak = max(float(np.abs(rim).max()), 1e-300)

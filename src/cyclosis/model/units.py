@@ -63,6 +63,22 @@ def scales_in(dataset: Any) -> Scales | None:
     return of_table(stored(dataset))
 
 
+def scales_text(scales: Scales) -> str:
+    """Return the scales of a cell in words."""
+    return f"R = {scales.radius_um:g} µm, U = {scales.speed_um_per_s:g} µm/s, R/U = {scales.time_s:.4g} s"
+
+
+def scales_of_measurement(dataset: Any) -> Scales | None:
+    """Return the scales in which the numbers of a measured cell are, None if length or time is not known.
+
+    With them a speed in R/s, for example, becomes one in µm/s.
+    """
+    from .scales import Scales
+
+    radius, speed = (dataset.attrs.get(name) for name in ("radius_um", "speed_unit_um_per_s"))
+    return None if radius is None or speed is None else Scales(float(radius), float(speed))
+
+
 @dataclass(frozen=True)
 class Unit:
     """A unit for a quantity: `factor` takes a dimensionless number to a number of units called `name`."""
