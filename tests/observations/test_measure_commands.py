@@ -111,6 +111,14 @@ def test_compare_a_file_with_a_run(tmp_path):
     code, out, err = said("compare", "cell.nc", "run.nc", "--out", "fit.png", "--out", "fit.nc")
     assert (code, err) == (0, "")
     assert "rotation" in out
+    (line,) = (row for row in out.splitlines() if "speed U" in row)
+    inverse_seconds, um_per_s = map(float, re.findall(r"([0-9.]+) (?:R/s|µm/s)", line))
+    assert um_per_s == pytest.approx(500.0 * inverse_seconds, rel=1e-3)
+    assert re.search(r"shift +\S+ R = \S+ µm", out)
+    known = said("compare", "cell.nc", "run.nc", "--speed-um-s", "120")[1]
+    assert "speed U   0.24 R/s = 120 µm/s" in known
+    assert said("compare", "cell.nc", "run.nc", "--speed-um-s", "120", "--speed", "1")[0] == 2
+    assert said("compare", "cell.nc", "run.nc", "--radius-um", "300")[0] == 2
     with xarray.open_dataset("fit.nc", engine="h5netcdf") as data:
         assert {"measured", "model", "residual"} <= set(data)
     assert said("compare", "run.nc", "run.nc")[0] == 2

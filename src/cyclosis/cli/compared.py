@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from . import targets
 from .measured import OUT, SUFFIXES
-from .options import FORCE, QUIET
+from .options import FORCE, QUIET, UNITS
 from .sources import of_run
 
 
@@ -38,6 +38,24 @@ def compare(
             show_default=False,
         ),
     ] = None,
+    radius_um: Annotated[
+        float | None,
+        typer.Option(
+            "--radius-um",
+            metavar="NUMBER",
+            help="Radius of the cell in micrometres, if CELL does not know it.",
+            rich_help_panel=UNITS,
+        ),
+    ] = None,
+    speed_um_s: Annotated[
+        float | None,
+        typer.Option(
+            "--speed-um-s",
+            metavar="NUMBER",
+            help="U in micrometres per second, instead of --speed.",
+            rich_help_panel=UNITS,
+        ),
+    ] = None,
     out: OUT = None,
     force: FORCE = False,
     quiet: QUIET = False,
@@ -47,7 +65,8 @@ def compare(
 
     for target in out or []:
         targets.check(target, force, SUFFIXES)
-    found = comparison(file, run, time=time, speed=speed, mirrored=mirrored)
+    units: dict[str, Any] = {"radius_um": radius_um, "speed_um_s": speed_um_s}
+    found = comparison(file, run, time=time, speed=speed, mirrored=mirrored, **units)
     if not quiet:
         print(found)
     targets.write(out, found.figure, lambda: found.dataset)

@@ -5,15 +5,19 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..model.devices import VARIABLE, require_platforms
 from ..model.errors import choice
+from ..model.units import chosen_scales
+from . import targets
+from .looks import within_looks
 from .options import FORCE, NO_PROGRESS, OUTPUT
 
 
+@within_looks("colours", "font", "style")
 def experiment(
     name: Annotated[
         str | None,
@@ -37,6 +41,12 @@ def experiment(
             "--out", metavar="FOLDER", help="Folder for datasets and figures.", rich_help_panel=OUTPUT
         ),
     ] = Path("experiments"),
+    kind: Annotated[
+        str,
+        typer.Option(
+            "--as", metavar="NAME", help="Format of figures: png, pdf, svg or eps.", rich_help_panel=OUTPUT
+        ),
+    ] = "png",
     force: FORCE = False,
     quiet: NO_PROGRESS = False,
 ) -> None:
@@ -53,14 +63,16 @@ def experiment(
             print(hint, file=sys.stderr)
             raise typer.Exit(2)
         return
+    choice("as", kind, tuple(suffix[1:] for suffix in targets.FIGURE))
     require_platforms(os.environ.get(VARIABLE, ""))
     choice("experiment", name, ("list", "all", *NAMES))
     progress = None if quiet else ExperimentLines()
+    shown: dict[str, Any] = {"scales": chosen_scales(), "figure": kind}
     done = []
     for each in NAMES if name == "all" else (name,):
         try:
             with terminable():
-                done.append(perform(each, out, seeds, quick, workers, force, progress, fresh))
+                done.append(perform(each, out, seeds, quick, workers, force, progress, fresh, **shown))
         except KeyboardInterrupt as stopped:
             typer.echo(f"{each} was interrupted; the same command continues from there.", err=True)
             raise typer.Exit(130) from stopped

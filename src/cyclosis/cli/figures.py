@@ -138,6 +138,7 @@ _DRAWN_FROM = ["regime", "status", "t_order", "initial_k0", "initial_m1"]
 _CUTS = Definition("cuts", "-", "values of the second axis", None, "numbers", -1e9, 1e9)
 
 
+@with_looks
 def phase_diagram(
     store: Annotated[
         Path,
@@ -175,8 +176,10 @@ def phase_diagram(
         ),
     ] = None,
     force: FORCE = False,
+    **looks: Any,
 ) -> None:
     """Draw the outcomes of a sweep over its parameters."""
+    from .. import dataset
     from ..figures import basins, style
     from ..figures import phase_diagram as figure
     from ..sweep.store.read import open_sweep
@@ -187,8 +190,13 @@ def phase_diagram(
     name = store.stem if kind == KINDS[0] else f"{store.stem}-{kind}"
     target = out or store.with_name(f"{name}.png")
     targets.check(target, force, targets.FIGURE)
-    chosen: dict[str, Any] = {"select": dict(map(_selected, select or [])) or None, "log": log}
-    with open_sweep(store, variables=_DRAWN_FROM) as data:
+    chosen: dict[str, Any] = {
+        "select": dict(map(_selected, select or [])) or None,
+        "log": log,
+        **width(looks),
+    }
+    with open_sweep(store, variables=_DRAWN_FROM) as found, looking(looks):
+        data = dataset.with_scales(found, None, looks["radius_um"], looks["speed_um_s"])
         if kind == KINDS[0]:
             drawn = figure.phase_diagram(data, cuts=None if cuts is None else _CUTS.parse(cuts), **chosen)
         else:

@@ -62,7 +62,7 @@ def fit(
             "--out",
             "-o",
             metavar="FILE",
-            help="File to write: .png or .pdf for a figure, .nc or .csv for numbers; may be repeated.",
+            help="File to write: a figure (.png, .pdf, .svg, .eps) or numbers (.nc, .csv); may be repeated.",
             rich_help_panel=OUTPUT,
         ),
     ] = None,

@@ -13,7 +13,7 @@ from . import targets
 from .measuring import column, drawn, numbers, on_surface, pair, reading, say
 from .options import FORCE, OUTPUT, QUIET
 
-SUFFIXES = (".nc", ".png", ".pdf")
+SUFFIXES = (".nc", *targets.FIGURE)
 FILE, CELL, UNITS, FILM = "What the file holds", "Cell in the image", "Units", "Film"
 """Groups of options."""
 OUT = Annotated[
@@ -22,7 +22,7 @@ OUT = Annotated[
         "--out",
         "-o",
         metavar="FILE",
-        help="File to write: .nc for the numbers, .png or .pdf for a picture; may be repeated.",
+        help="File to write: .nc for numbers, .png, .pdf, .svg or .eps for a picture; may be repeated.",
         rich_help_panel=OUTPUT,
     ),
 ]

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from ..model.definitions import Definition
-from ..model.errors import InputError, choice
+from ..model.errors import InputError, choice, number
 from .options import FILE, FORCE, OUTPUT
 
 _TIMES = Definition("times", "t", "times", None, "numbers", 0.0, 1e9)
@@ -59,7 +59,10 @@ def observe(
     size: Annotated[
         str | None, _set("W,H", "Size of the picture in pixels; by default the cell is in it.")
     ] = None,
-    pixel_um: Annotated[float, _set("UM", "Size of a pixel, in micrometres.")] = 5.0,
+    pixel_um: Annotated[
+        float | None,
+        _set("UM", "Size of a pixel, in micrometres; by default the radius of FILE over --radius-px, or 5."),
+    ] = None,
     frame_s: Annotated[float, _set("S", "Time between two frames, in seconds.")] = 0.3,
     depth_um: Annotated[
         float | None,
@@ -68,15 +71,19 @@ def observe(
     noise_px: Annotated[
         float, _set("PX", "Standard deviation of a measured displacement or place, in pixels.")
     ] = 0.1,
+    radius_um: Annotated[
+        float | None,
+        _set("UM", "Radius of the cell, in micrometres, instead of --pixel-um."),
+    ] = None,
     speed_um_per_s: Annotated[
-        float,
+        float | None,
         typer.Option(
             "--speed-um-s",
             metavar="UM",
-            help="The unit of speed U, in micrometres per second.",
+            help="The unit of speed U, in micrometres per second; by default that in FILE, or 100.",
             rich_help_panel=CAMERA,
         ),
-    ] = 100.0,
+    ] = None,
     seed: Annotated[int, _set("N", "Seed of particles and noise.")] = 0,
     times: Annotated[
         str | None,
@@ -136,6 +143,10 @@ def observe(
     from ..observations.microscope.observe import FORMATS, INSTRUMENTS
     from . import targets
 
+    if radius_um is not None:
+        if pixel_um is not None:
+            raise InputError("radius_um", radius_um, "left out with --pixel-um", "give one of the two")
+        pixel_um = number("radius_um", radius_um, 1e-3, 1e6, "give micrometres") / radius_px
     kinds = as_.split("+")
     for kind in kinds:
         choice("as", kind, tuple(INSTRUMENTS))

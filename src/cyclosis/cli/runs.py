@@ -11,6 +11,7 @@ import typer
 
 from ..model.definitions import TABLES
 from ..model.errors import InputError
+from ..model.units import of_table, table_of
 from . import targets
 from .exports import export
 from .looks import COLOURS, looking
@@ -106,6 +107,8 @@ def resume(
         float | None,
         typer.Option(metavar="TIME", help="Time to continue to; by default the run's end."),
     ] = None,
+    radius_um: RADIUS = None,
+    speed_um_s: SPEED = None,
     json_line: JSON = False,
     quiet: QUIET = False,
     checkpoint_seconds: PAUSE = 30.0,
@@ -119,13 +122,16 @@ def resume(
         from ..dynamics.interrupts import carried, terminable
 
         stored = dataset.load(file, fields=False)
+        given = {"radius_um": radius_um, "speed_um_s": speed_um_s}
+        own = {} if stored.scales is None else table_of(stored.scales)
+        scales = of_table(own | {name: value for name, value in given.items() if value is not None})
         if t_end is None and not is_unfinished(file):
             _refuse_finished(stored)
         progress.follow(stored.model.problem(stored.params, stored.grid), stored.params_at)
         try:
             with terminable():
                 result = dataset.resume_file(
-                    file, t_end, progress=progress, checkpoint_seconds=checkpoint_seconds
+                    file, t_end, progress=progress, checkpoint_seconds=checkpoint_seconds, scales=scales
                 )
         except KeyboardInterrupt as stopped:
             result = carried(stopped)

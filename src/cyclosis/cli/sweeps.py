@@ -16,7 +16,7 @@ import typer
 
 from ..model.devices import VARIABLE, require_platforms
 from ..model.errors import InputError
-from .options import FORCE, NO_PROGRESS, OUTPUT, QUIET, command, commands
+from .options import FORCE, NO_PROGRESS, OUTPUT, QUIET, RADIUS, SPEED, command, commands
 from .sources import of_store
 
 if TYPE_CHECKING:
@@ -135,12 +135,19 @@ def export(
             metavar="FILE", help="What to write: .zarr, .nc, .csv or .csv.gz.", rich_help_panel=OUTPUT
         ),
     ],
+    radius_um: RADIUS = None,
+    speed_um_s: SPEED = None,
     force: FORCE = False,
 ) -> None:
     """Write the results in a store to one file for other programs."""
+    from ..model.units import of_table
     from ..sweep.export import export as write
+    from ..sweep.store.store import Store
 
-    print(f"saved {write(store, out, force=force)}")
+    given = {"radius_um": radius_um, "speed_um_s": speed_um_s}
+    known = Store(store).sweep.tables.get("scales", {})
+    scales = of_table(known | {name: value for name, value in given.items() if value is not None})
+    print(f"saved {write(store, out, force=force, scales=scales)}")
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import tempfile
 from collections.abc import Callable
@@ -10,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from ..model.errors import InputError
+from ..model.units import chosen_scales, table_of
 from . import usage
 
 RUN = (".nc", ".nc4", ".h5")
 FIGURE = (".png", ".pdf", ".svg", ".eps")
 MOVIE = (".mp4", ".gif")
 THEORY = (*FIGURE, ".nc", ".csv")
-_NOT_DECISIVE = ("out", "force", "quiet", "json_lines")
+_NOT_DECISIVE = ("out", "force", "quiet", "json_lines", "width_mm", "colours", "font", "style")
 
 
 def check(target: Path, force: bool, suffixes: tuple[str, ...]) -> None:
@@ -52,7 +54,7 @@ def write(out: list[Path] | None, draw: Callable[[], Any], numbers: Callable[[],
 
     for target in out or []:
         if target.suffix.lower() in SUFFIXES:
-            write_table(numbers(), target)
+            write_table(_with_units(numbers()), target)
         else:
             from ..figures import style
 
@@ -60,10 +62,19 @@ def write(out: list[Path] | None, draw: Callable[[], Any], numbers: Callable[[],
         print(f"saved {target}")
 
 
+def _with_units(numbers: Any) -> Any:
+    """Return a dataset with the scales that were chosen as an attribute. Its numbers stay as they are."""
+    scales = chosen_scales()
+    if scales is None:
+        return numbers
+    return numbers.assign_attrs(scales=json.dumps(table_of(scales), sort_keys=True))
+
+
 def configuration() -> dict[str, Any]:
     """Return the command and what determines its results; files by the SHA-256 of their content."""
     asked = usage.asked()
-    return {name: _content(value) for name, value in asked.items() if name not in _NOT_DECISIVE}
+    decisive = {n: value for n, value in asked.items() if value is not None and n not in _NOT_DECISIVE}
+    return {name: _content(value) for name, value in decisive.items()}
 
 
 def _content(value: Any) -> Any:

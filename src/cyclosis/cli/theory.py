@@ -11,6 +11,7 @@ import typer
 from ..model.errors import InputError, choice
 from . import targets
 from .axes import axis
+from .looks import chosen_width, within_looks
 from .options import FORCE, NO_PROGRESS, OUTPUT, changes, command, commands, with_options
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ OUT = Annotated[
     typer.Option(
         "--out",
         metavar="FILE",
-        help="File to write: .png or .pdf for a figure, .nc or .csv for numbers; may be repeated.",
+        help="File to write: a figure (.png, .pdf, .svg, .eps) or numbers (.nc, .csv); may be repeated.",
         rich_help_panel=OUTPUT,
     ),
 ]
@@ -45,6 +46,7 @@ FULL = Annotated[
 ]
 
 
+@within_looks()
 @with_options("parameters", "model")
 def dispersion(
     base: Annotated[
@@ -81,7 +83,7 @@ def dispersion(
     def draw() -> Any:
         from ..figures import dispersion as figure
 
-        return figure.dispersion(params, bases, length)
+        return figure.dispersion(params, bases, length, **chosen_width())
 
     targets.write(out, draw, found[0].to_dataset)
 
@@ -105,11 +107,12 @@ def _kinetic_dispersion(
     def draw() -> Any:
         from ..figures import dispersion as figure
 
-        return figure.kinetic_dispersion(params, bases, length, **settings)
+        return figure.kinetic_dispersion(params, bases, length, **settings, **chosen_width())
 
     targets.write(out, draw, found[0].to_dataset)
 
 
+@within_looks()
 @with_options("parameters")
 def profile(
     stripes: COUNT = 2,
@@ -133,11 +136,12 @@ def profile(
     def draw() -> Any:
         from ..figures import spectra
 
-        return spectra.drifting(found) if tilted else spectra.profile(found)
+        return (spectra.drifting if tilted else spectra.profile)(found, **chosen_width())
 
     targets.write(out, draw, found.to_dataset)
 
 
+@within_looks()
 @with_options("parameters")
 def spectrum(
     stripes: COUNT = 2,
@@ -170,11 +174,12 @@ def spectrum(
     def draw() -> Any:
         from ..figures import spectra
 
-        return spectra.spectrum(found, modes)
+        return spectra.spectrum(found, modes, **chosen_width())
 
     targets.write(out, draw, modes.to_dataset)
 
 
+@within_looks()
 @with_options("parameters")
 def threshold(
     over: Annotated[
@@ -199,7 +204,7 @@ def threshold(
     _check(out, force)
     if full and over is not None:
         raise InputError("full", full, "given for one point", "leave out --over")
-    if over is None and any(target.suffix.lower() in (".png", ".pdf") for target in out or []):
+    if over is None and any(target.suffix.lower() in targets.FIGURE for target in out or []):
         raise InputError("out", "a figure", "of a curve", "give --over, as alpha_p=0.06:1:40:log")
     name, values = ("alpha_p", [float(params.alpha_p)]) if over is None else axis("over", over)
     found = limits(params, values, name)
@@ -214,11 +219,12 @@ def threshold(
         near = None
         if name == "alpha_p" and params.force_exponent == 2:
             near = neighbourhood(params)
-        return figure.limits(found, near)
+        return figure.limits(found, near, **chosen_width())
 
     targets.write(out, draw, found.to_dataset)
 
 
+@within_looks()
 @with_options("parameters")
 def branch(
     parameter: Annotated[str, typer.Argument(metavar="PARAMETER", help="Parameter that varies.")],
@@ -271,12 +277,13 @@ def branch(
         from ..figures import bifurcation, spectra
 
         if eigenvalues:
-            return spectra.eigenvalues(found[0], log)
-        return bifurcation.bifurcation(found, chosen, log)
+            return spectra.eigenvalues(found[0], log, **chosen_width())
+        return bifurcation.bifurcation(found, chosen, log, **chosen_width())
 
     targets.write(out, draw, found[0].to_dataset)
 
 
+@within_looks()
 @with_options("parameters")
 def regime_map(
     x: Annotated[str, typer.Option(metavar="AXIS", help="Horizontal axis, NAME=START:STOP:COUNT[:log].")],
@@ -302,7 +309,7 @@ def regime_map(
         from ..figures import regime_map as figure
 
         log = [axis.partition("=")[0] for axis in (x, y) if axis.endswith(":log")]
-        return figure.regime_map(found, log=log)
+        return figure.regime_map(found, log=log, **chosen_width())
 
     targets.write(out, draw, found.to_dataset)
 

@@ -69,12 +69,7 @@ def in_units(table: Table, scales: Scales | None) -> Table:
     """Return a table with a column in micrometres or seconds after each one that has such a unit."""
     if scales is None:
         return table
-    factors = {
-        "s": scales.time_s,
-        "um": scales.radius_um,
-        "um_per_s": scales.speed_um_per_s,
-        "per_s": 1 / scales.time_s,
-    }
+    factors = factors_of(scales)
     out: Table = {}
     for name, column in table.items():
         out[name] = column
@@ -84,6 +79,16 @@ def in_units(table: Table, scales: Scales | None) -> Table:
         elif unit is not None:
             out[f"{name}_{unit}"] = column * factors[unit]
     return out
+
+
+def factors_of(scales: Scales) -> dict[str, float]:
+    """Return what the units of columns, by the ends of their names, are in dimensionless numbers."""
+    return {
+        "s": scales.time_s,
+        "um": scales.radius_um,
+        "um_per_s": scales.speed_um_per_s,
+        "per_s": 1 / scales.time_s,
+    }
 
 
 def _records(dataset: xarray.Dataset) -> Table:

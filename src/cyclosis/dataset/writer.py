@@ -7,6 +7,7 @@ import glob
 import os
 import weakref
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -19,6 +20,8 @@ from ..dynamics.trajectory import Status, Trajectory
 from ..model.doors import door
 from ..model.errors import InputError
 from ..model.reporting import Progress
+from ..model.scales import Scales
+from ..model.units import table_of
 from .contents import Contents, of_trajectory
 from .convert import load
 from .netcdf import damaged, joined, read_contents, write_contents
@@ -238,12 +241,14 @@ def resume_file(
     model: Model | None = None,
     progress: Progress = None,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
+    scales: Scales | None = None,
 ) -> Trajectory:
     """Continue the run in a file, finished or interrupted, to `t_end`; the file then holds the whole run.
 
     The result is bit for bit that of a run that never stopped, see `resume`. The trajectory's frames stay in
-    the file. Raises `InputError` if the file cannot be read or written, or if the run cannot be continued or
-    is being written. After Ctrl-C it raises KeyboardInterrupt once the file holds everything done so far.
+    the file. `scales` are stored with the run in the place of its own. Raises `InputError` if the file cannot
+    be read or written, or if the run cannot be continued or is being written. After Ctrl-C it raises
+    KeyboardInterrupt once the file holds everything done so far.
 
     Example:
         >>> import cyclosis as cy
@@ -253,6 +258,8 @@ def resume_file(
         (2.0, 3)
     """
     run = load(path, terms, fields=False, model=model)
+    if scales is not None:
+        run = replace(run, provenance={**run.provenance, "scales": table_of(scales)})
     with RunWriter(path, continues=True) as writer:
         writer.stands(run)
         if writer.number and run.status is not Status.INTERRUPTED and (t_end or 0.0) <= run.t_final:

@@ -12,6 +12,7 @@ import xarray
 from ..analysis.diagnostics import diagnose
 from ..analysis.zones import crossings
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Cell, Panel, interval, story
 from ..figures.style import DOWN, INK, QUIET, UP, polarity_rgb
 from ..model import initial
@@ -282,13 +283,13 @@ def draw(data: xarray.Dataset) -> Figure:
             bottom = (len(rows) - 1 - k) * (1 + gap)
             extent = (0, data.attrs["strip_length"], bottom, bottom + 1)
             ax.imshow(polarity_rgb(row), extent=extent, origin="lower", aspect="auto")
-            ax.text(0, bottom + 1.03, f"$t$ = {time:g}", fontsize=8.0, va="bottom")
+            ax.text(0, bottom + 1.03, quantities.when(time), fontsize=8.0, va="bottom")
         ax.set_ylim(0, len(rows) * (1 + gap) - 0.05)
         ax.set_xlim(0, data.attrs["strip_length"])
         ax.set_yticks([])
         ax.spines["left"].set_visible(False)
         ax.set_ylabel("around the axis", labelpad=3.0)
-        ax.set_xlabel("along the axis, radii", labelpad=1.0)
+        quantities.name(ax.xaxis, "along the axis", "length", "radii", labelpad=1.0)
 
     def soon(ax: Any) -> None:
         since = np.array([median_interval(row[np.isfinite(row)]) for row in data["since"].values]).T
@@ -301,14 +302,14 @@ def draw(data: xarray.Dataset) -> Figure:
             ax.plot(length[kept], 1 / rate[:, 0], "o", color=DOWN, markersize=3.4, label="measured")
         ax.set_yscale("log")
         _lengths(ax)
-        ax.set_ylabel("time", labelpad=1.0)
+        quantities.name(ax.yaxis, "time", "time", labelpad=1.0)
         ax.legend(loc="upper left", fontsize=8.0, frameon=False, handlelength=1.3, borderpad=0)
 
     def straight(ax: Any) -> None:
         for (name, share), colour in zip(_states(data).items(), (UP, DOWN, INK), strict=True):
             interval(ax, length, 100 * share[:, 0], 100 * share[:, 1], 100 * share[:, 2], colour, name)
         ax.set_ylim(-3, 103)
-        ax.set_ylabel(f"cells at $t$ = {float(data.attrs['end']):g}, %", labelpad=1.0)
+        ax.set_ylabel(f"cells at {quantities.when(float(data.attrs['end']))}, %", labelpad=1.0)
         _lengths(ax)
         ax.legend(
             loc="lower left", bbox_to_anchor=(-0.08, 1.0), ncols=3, fontsize=8.0, frameon=False,
@@ -336,13 +337,13 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_yscale("log")
         _ticks(ax, [one for one in (3, 10, 30, 100) if one <= data["time"][-1]])
         ax.set_ylim(lowest, 10)
-        ax.set_xlabel("time", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", labelpad=1.0)
         ax.set_ylabel("slope of zones", labelpad=1.0)
 
     def _lengths(ax: Any) -> None:
         ax.set_xscale("log")
         _ticks(ax, length.tolist())
-        ax.set_xlabel("length, radii", labelpad=1.0)
+        quantities.name(ax.xaxis, "length", "length", "radii", labelpad=1.0)
 
     def _ticks(ax: Any, values: Sequence[float]) -> None:
         ax.set_xticks(values, [f"{one:g}" for one in values], fontsize=8.0)

@@ -11,6 +11,7 @@ from ..analysis.regimes import DOMINANT, REGIMES
 from ..dynamics.protocol import Protocol, change
 from ..dynamics.simulate import simulate
 from ..dynamics.trajectory import Trajectory
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, LEGEND, UP
 from ..model import initial, regions
@@ -257,7 +258,7 @@ def draw(data: xarray.Dataset) -> Figure:
         reference(ax, 100 * DOMINANT, "", upright=False)
         ax.set_ylim(-3, 103)
         ax.set_xlim(0, 5)
-        ax.set_xlabel("length of the treated band, radii", labelpad=1.0)
+        quantities.name(ax.xaxis, "length of the treated band", "length", "radii", labelpad=1.0)
         ax.set_ylabel("order around the axis, %", labelpad=1.0)
         ax.legend(**LEGEND | {"fontsize": 8.0, "markerscale": 1.0})
 
@@ -270,7 +271,7 @@ def draw(data: xarray.Dataset) -> Figure:
         reference(ax, theory, f"κ/P$_0^2$ = {theory:.3f}", upright=True)
         ax.set_xlim(*x)
         ax.set_xlabel("$α_u$", labelpad=1.0)
-        ax.set_ylabel("growth rate of a tilt", labelpad=1.0)
+        quantities.name(ax.yaxis, "growth rate of a tilt", "rate", labelpad=1.0)
 
     return story(cells(data, titles), [Panel(shares), Panel(lengths), Panel(tilt)], str(verdict(data)))
 

@@ -58,7 +58,7 @@ def drawn(title: str, picture: npt.ArrayLike, arrows: bool = True) -> Drawn:
         ax.set(xlim=(-1.03, 1.03), ylim=(-reach, reach), aspect="equal")
         ax.set_axis_off()
 
-    return Drawn(title, draw, 2.06, 2 * float(np.abs(y).max()) + 0.06)
+    return Drawn(title, draw, 2.06, 2 * float(np.abs(y).max()) + 0.06, True)
 
 
 def _arrows(ax: Any, x: Array, y: Array, u_x: Array, u_y: Array) -> None:

@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 
 from .. import models
 from ..contract.model import Model
-from ..figures import regime_maps
+from ..figures import quantities, regime_maps
 from ..figures.story import Panel, cells, reference, story
 from ..figures.style import DOWN, INK, QUIET, UP
 from ..model.grid import Array, interpolate
@@ -313,8 +313,10 @@ CALLED = {
 
 def draw(data: xarray.Dataset) -> Figure:
     """Draw cells of both models, the ends of rings over both rates, the scan over κ/d_r, and what lasts."""
-    times = [f"{time:g}" for time in data["frame_time"].values]
-    titles = [f"closure, t = {time}" for time in times[:2]] + [f"kinetic, t = {time}" for time in times[2:]]
+    times = [float(time) for time in data["frame_time"].values]
+    titles = [f"closure, {quantities.when(time)}" for time in times[:2]] + [
+        f"kinetic, {quantities.when(time)}" for time in times[2:]
+    ]
     kinds = likely(outcomes(data))
 
     def plane(k: int) -> Any:
@@ -346,7 +348,7 @@ def draw(data: xarray.Dataset) -> Figure:
             middle = data["scan"].sel(closure=name, number="when").median("scan_seed")
             ax.plot(data["ratio"], middle, color=colour, linestyle=dashes, linewidth=1.2, label=CALLED[name])
         ax.set_xlabel("κ/d$_r$", labelpad=1.0)
-        ax.set_ylabel("time to half order", labelpad=1.0)
+        quantities.name(ax.yaxis, "time to half order", "time", labelpad=1.0)
         ax.set_ylim(0, 40)
         ax.legend(fontsize=7, frameon=False, loc="upper left", borderpad=0, handlelength=1.6)
 
@@ -360,7 +362,7 @@ def draw(data: xarray.Dataset) -> Figure:
             )  # fmt: skip
         ax.set_ylim(-0.02, 1.0)
         ax.set_xlabel("α$_u$, with α$_p$ = 0", labelpad=1.0)
-        ax.set_ylabel(f"<P$_z$²>$^{{1/2}}$ at t = {FADING_TIMES[-1]:g}", labelpad=1.0)
+        ax.set_ylabel(f"<P$_z$²>$^{{1/2}}$ at {quantities.when(FADING_TIMES[-1])}", labelpad=1.0)
 
     shown = [Panel(plane(PAPER)), Panel(plane(KINETIC)), Panel(scan), Panel(lasts)]
     return story(cells(data, titles), shown, str(verdict(data)))

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import xarray
 
 from ..analysis.regimes import REGIMES
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, story
 from ..figures.style import DOWN, INK, LEGEND, QUIET, SHADE, UP
 from ..model.grid import Array, CylinderGrid
@@ -192,8 +193,8 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_ylabel("two stripes from disorder, %", labelpad=1.0)
 
     times = data["frame_time"].values
-    titles = ["no flow, $t$ = 0", *(f"no flow, $t$ = {time:g}" for time in times[1:3])]
-    titles += ["flow, $t$ = 0", f"flow, $t$ = {times[4]:g}"]
+    titles = ["no flow, $t$ = 0", *(f"no flow, {quantities.when(time)}" for time in times[1:3])]
+    titles += ["flow, $t$ = 0", f"flow, {quantities.when(times[4])}"]
     panels = [Panel(speeds), Panel(fates), Panel(seeds)]
     return story(cells(data, titles), panels, str(verdict(data)))
 

@@ -11,6 +11,7 @@ import xarray
 from ..analysis.regimes import REGIMES
 from ..dynamics.protocol import Protocol
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, story
 from ..figures.style import DOWN, INK, QUIET, SHADE, UP
 from ..model import initial
@@ -232,11 +233,11 @@ def draw(data: xarray.Dataset) -> Figure:
     """Draw three cells in the drug, seeds by way, the map with its fold, and the order needed."""
     titles = (
         "before the drug",
-        f"drug, $t$ = {TIMES[3]:g}",
-        f"weaker $α_u$, $t$ = {TIMES[2]:g}",
-        f"weaker $α_u$, $t$ = {TIMES[3]:g}",
+        f"drug, {quantities.when(TIMES[3])}",
+        f"weaker $α_u$, {quantities.when(TIMES[2])}",
+        f"weaker $α_u$, {quantities.when(TIMES[3])}",
         "drug, and fragmented",
-        f"the same, $t$ = {TIMES[3]:g}",
+        f"the same, {quantities.when(TIMES[3])}",
     )
 
     def seeds(ax: Any) -> None:

@@ -13,6 +13,7 @@ from .. import closed, models, stability
 from ..closed.grid import Array, ClosedGrid
 from ..closed.shapes import Sphere
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, reference, story
 from ..figures.style import INK, QUIET, UP
 from ..models.fields import flow
@@ -300,7 +301,7 @@ def draw(data: xarray.Dataset) -> Figure:
             ax.plot(time, middle, color=colour, linewidth=1.2, label=label)
         ax.set_xlim(0, min(40.0, time[-1]))
         ax.set_ylim(0, 1.2)
-        ax.set_xlabel("time", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", labelpad=1.0)
         ax.legend(fontsize=8, frameon=False, loc="lower right", borderpad=0)
 
     def point(ax: Any) -> None:
@@ -324,7 +325,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_xscale("log")
         ax.set(ylim=(-0.03, 1.05), xticks=[0.1, 0.3, 1.0, 3.0], xticklabels=["0.1", "0.3", "1", "3"])
         ax.minorticks_off()
-        ax.set_xlabel("radius, R", labelpad=1.0)
+        quantities.name(ax.xaxis, "radius", "length", "R", labelpad=1.0)
         ax.legend(fontsize=8, frameon=False, loc="lower right", borderpad=0)
 
     return story(shown, [Panel(begins), Panel(point), Panel(sizes)], str(verdict(data)))

@@ -11,6 +11,7 @@ import xarray
 
 from ..analysis.zones import crossings, indifferent_zones
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, reference, story
 from ..figures.style import DOWN, INK, QUIET, UP
 from ..model import initial
@@ -286,7 +287,7 @@ def draw(data: xarray.Dataset) -> Figure:
         band(ax, "speed", DOWN, "flow speed")
         ax.set_xlim(0, 40)
         ax.set_ylim(0, 1)
-        ax.set_xlabel("time, $R/U$", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", "$R/U$", labelpad=1.0)
         ax.set_ylabel("root mean square", labelpad=1.0)
         ax.legend(frameon=False, fontsize=8.5, loc="lower right", handlelength=1.2)
 
@@ -307,8 +308,8 @@ def draw(data: xarray.Dataset) -> Figure:
         reference(ax, local, "local order", upright=True)
         ax.set_xlim(0, 40)
         ax.set_ylim(0, 4.2)
-        ax.set_xlabel("time, $R/U$", labelpad=1.0)
-        ax.set_ylabel("width of domains, $R$", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", "$R/U$", labelpad=1.0)
+        quantities.name(ax.yaxis, "width of domains", "length", "$R$", labelpad=1.0)
         ax.legend(frameon=False, fontsize=8.5, loc="lower right", handlelength=1.4)
 
     def stopping(ax: Any) -> None:
@@ -326,7 +327,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_xlabel("stops of visible flow at a place", labelpad=1.0)
         ax.set_ylabel("% of the surface", labelpad=1.0)
 
-    titles = [f"$t$ = {value:g}" for value in data["frame_time"].values]
+    titles = [quantities.when(value) for value in data["frame_time"].values]
     return story(cells(data, titles), [Panel(order), Panel(sizes), Panel(stopping)], str(verdict(data)))
 
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 import xarray
 from matplotlib.colors import ListedColormap
 
+from ..figures import quantities
 from ..figures.regime_maps import COLOURS as REGIME_COLOURS
 from ..figures.story import Panel, reference, story
 from ..figures.style import DOWN, INK, QUIET, UP
@@ -88,7 +89,7 @@ def draw(data: xarray.Dataset) -> Figure:
             reference(ax, at, f"{at:.3f}", upright=True)
         ax.set_xlim(0, float(data["epsilon"][-1]))
         ax.set_xlabel("ε", labelpad=1.0)
-        ax.set_ylabel("growth, displaced sink", labelpad=1.0)
+        quantities.name(ax.yaxis, "growth, displaced sink", "rate", labelpad=1.0)
         ax.legend(fontsize=7.5, frameon=False, loc="upper left", borderpad=0, handlelength=1.6)
 
     panels = [*(Panel(plane(shape)) for shape in SHAPES), Panel(grows, 1.25)]

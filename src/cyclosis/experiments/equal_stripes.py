@@ -11,6 +11,7 @@ import xarray
 from ..analysis.regimes import REGIMES
 from ..analysis.zones import crossings, stripe_widths, zone_angles
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, story
 from ..figures.style import DOWN, INK, LEGEND, QUIET, UP
 from ..model import initial
@@ -228,11 +229,11 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.plot([], [], color=QUIET, linewidth=0.9, linestyle=(0, (4, 2)), label="theory")
         ax.set_yscale("log")
         ax.set_ylim(top=0.6)
-        ax.set_xlabel("time", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", labelpad=1.0)
         ax.set_ylabel("|width − ½|, turns", labelpad=1.0)
         ax.legend(**(LEGEND | {"fontsize": 8.0, "markerscale": 1.2, "columnspacing": 0.6}))
 
-    titles = [f"$t$ = {time:g}" for time in data["frame_time"].values]
+    titles = [quantities.when(time) for time in data["frame_time"].values]
     panels = [Panel(over_flow, 1.0), Panel(over_length, 0.8), Panel(evening, 1.0)]
     return story(cells(data, titles), panels, str(verdict(data)))
 

@@ -11,6 +11,7 @@ import xarray
 
 from ..dynamics.protocol import Protocol, change, fragment
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, UP
 from ..model import initial
@@ -219,7 +220,7 @@ def draw(data: xarray.Dataset) -> Figure:
         reference(ax, onset, f"{onset:.4f}", upright=True)
         ax.set_xlim(0, reach[1])
         ax.set_xlabel("$α_u$", labelpad=1.0)
-        ax.set_ylabel("growth rate of one wave", labelpad=1.0)
+        quantities.name(ax.yaxis, "growth rate of one wave", "rate", labelpad=1.0)
 
     def shares(ax: Any) -> None:
         for law in EXPONENTS:
@@ -245,7 +246,7 @@ def draw(data: xarray.Dataset) -> Figure:
             ax.plot(data["alpha_u"], speed, "o", color=COLOURS[law], markersize=3.6, clip_on=False)
         _strengths(ax)
         ax.set_ylim(0, 1)
-        ax.set_ylabel("peak speed of stripes", labelpad=1.0)
+        quantities.name(ax.yaxis, "peak speed of stripes", "speed", labelpad=1.0)
 
     def _strengths(ax: Any) -> None:
         reference(ax, onset, f"{onset:.3f}", upright=True)

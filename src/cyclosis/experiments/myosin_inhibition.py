@@ -11,6 +11,7 @@ import xarray
 from ..analysis.regimes import REGIMES
 from ..analysis.zones import stripe_widths, zone_angles
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, QUIET, UP
 from ..model import initial
@@ -219,8 +220,8 @@ def draw(data: xarray.Dataset) -> Figure:
         "with motors",
         "motors and order gone: $t$ = 1",
         "$t$ = 20",
-        f"$t$ = {late:g}",
-        f"another cell, $t$ = {late:g}",
+        quantities.when(late),
+        f"another cell, {quantities.when(late)}",
     )
     strengths = np.asarray(data["alpha_p"].values)
     outcome = np.asarray(data["outcome"].values)
@@ -237,7 +238,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.minorticks_off()
         ax.set_ylim(-3, 103)
         ax.set_xlabel("bundling $α_p$", labelpad=1.0)
-        ax.set_ylabel(f"cells at $t$ = {late:g}, %", labelpad=1.0)
+        ax.set_ylabel(f"cells at {quantities.when(late)}, %", labelpad=1.0)
 
     def widths(ax: Any) -> None:
         width = np.asarray(data["width"].values)[-1]
@@ -259,7 +260,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_yscale("log")
         ax.set_xlim(0, 1.35)
         ax.set_xlabel("displacement of zones, δ/w", labelpad=1.0)
-        ax.set_ylabel("life of stripes, 1/λ", labelpad=1.0)
+        quantities.name(ax.yaxis, "life of stripes, 1/λ", "time", labelpad=1.0)
         ax.legend(fontsize=7.5, frameon=False, borderpad=0, loc="lower left", handlelength=1.4)
 
     return story(cells(data, titles), [Panel(shares), Panel(widths), Panel(lives)], str(verdict(data)))

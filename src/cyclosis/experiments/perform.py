@@ -10,13 +10,15 @@ from pathlib import Path
 
 import xarray
 
-from ..dataset import check_writable
+from ..dataset import check_writable, with_scales
 from ..dataset.tables import write_table
 from ..dataset.whole import remove
 from ..display.shown import shown
 from ..figures import style
-from ..model.errors import InputError, whole
+from ..model.errors import InputError, choice, whole
 from ..model.reporting import counted, reported
+from ..model.scales import Scales
+from ..model.units import shown_in
 from ..sweep.cluster.progress import SweepProgress
 from .catalogue import experiment
 from .experiment import Experiment, Verdict
@@ -57,15 +59,18 @@ def perform(
     told: Told | None = None,
     fresh: bool = False,
     progress: bool | None = None,
+    scales: Scales | None = None,
+    figure: str = "png",
 ) -> Performance:
     """Run an experiment, write NAME.nc and NAME.png to the folder `out`, and return the results.
 
     `seeds` replaces the experiment's default number of seeds; `quick` uses few, and fewer or shorter runs of
     every kind. Every member that is done is stored in `out`/stores, so that the same call continues after an
     interruption; `fresh` removes what is stored there of this experiment and computes it again. `progress`
-    shows a bar in a terminal or a notebook unless it is False; the function `told` is called instead. Raises
-    `InputError` for an unknown name, files that exist (unless `force`), and seeds out of
-    range.
+    shows a bar in a terminal or a notebook unless it is False; the function `told` is called instead. With
+    `scales` the figure is in seconds, µm and µm/s; what is computed is the same. `figure` is its format: png,
+    pdf, svg or eps. Raises `InputError` for an unknown name, files that exist (unless `force`),
+    and seeds out of range.
 
     Example:
         >>> from cyclosis.experiments import perform
@@ -74,13 +79,14 @@ def perform(
         ('in part', 'timescales.nc', 'timescales.png')
     """
     chosen = experiment(name)
+    choice("figure", figure, tuple(suffix[1:] for suffix in style.SUFFIXES))
     folder = Path(out)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         rule = "a folder that can be created"
         raise InputError("out", str(folder), rule, f"choose another ({error.strerror})") from error
-    file, picture = folder / f"{name}.nc", folder / f"{name}.png"
+    file, picture = folder / f"{name}.nc", folder / f"{name}.{figure}"
     for target in (file, picture):
         check_writable(target, force)
     given = chosen.quick_seeds if quick else chosen.seeds
@@ -91,9 +97,11 @@ def perform(
     shown = reported(progress if told is None else told, name, _told)
     with shown as report, Lab(folder / STORES / kind, count, quick, workers, report) as lab:
         data = labelled(chosen, chosen.measure(lab), count, quick)
+    data = with_scales(data, scales)
     picture.unlink(missing_ok=True)  # an interruption must not leave an old figure beside new data
     write_table(data, file)
-    style.save(style.signed(chosen.draw(data), data), picture)
+    with shown_in(scales):
+        style.save(style.signed(chosen.draw(data), data), picture)
     return Performance(chosen, data, verdict_of(data), file, picture)
 
 

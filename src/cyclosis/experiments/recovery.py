@@ -9,6 +9,7 @@ import xarray
 
 from ..analysis.regimes import REGIMES
 from ..dynamics.protocol import Protocol
+from ..figures import quantities
 from ..figures.story import Panel, cells, reference, story
 from ..figures.style import UP
 from ..model import initial
@@ -112,7 +113,7 @@ def decisive(data: xarray.Dataset) -> str:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Draw a cell through arrest and recovery, where zones returned, and how wide stripes are."""
-    titles = [f"$t$ = {time:g}" for time in data["frame_time"].values]
+    titles = [quantities.when(time) for time in data["frame_time"].values]
     titles[0] += ", before"
     titles[1] += ", washed out"
     back = np.asarray(data["recovered"].values, dtype=bool)

@@ -12,6 +12,7 @@ import xarray
 
 from ..analysis.zones import crossings
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, LEGEND, QUIET, UP
 from ..model import initial
@@ -297,7 +298,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_yscale("log")
         ax.set_xlim(0, time[-1])
         ax.set_ylim(1e-3, 1.2)
-        ax.set_xlabel("time, $R/U$", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", "$R/U$", labelpad=1.0)
         ax.set_ylabel("prepared bend / first", labelpad=1.0)
         ax.legend(**(LEGEND | {"fontsize": 7.5, "ncols": 2, "columnspacing": 0.7, "labelspacing": 0.15}))
 
@@ -324,12 +325,13 @@ def draw(data: xarray.Dataset) -> Figure:
         reference(ax, FOLLOWED, "followed to")
         ax.set_ylim(0, 1.1 * FOLLOWED)
         ax.set_xlabel("$\\epsilon$", labelpad=1.0)
-        ax.set_ylabel("time to a tenth, $R/U$", labelpad=1.0)
+        quantities.name(ax.yaxis, "time to a tenth", "time", "$R/U$", labelpad=1.0)
         ax.legend(**(LEGEND | {"fontsize": 8.0, "markerscale": 1.2}))
 
     when = data["frame_time"].values
-    titles = [f"bent, $t$ = {when[0]:g}", *(f"with shear, {one:g}" for one in when[1:3])]
-    titles += [f"without, {one:g}" for one in when[3:]]
+    told = [quantities.words(time, "time", "g") for time in when]
+    titles = [f"bent, {quantities.when(when[0])}", *(f"with shear, {time}" for time in told[1:3])]
+    titles += [f"without, {time}" for time in told[3:]]
     panels = [Panel(courses), Panel(by_size), Panel(over)]
     return story(cells(data, titles), panels, str(verdict(data)))
 

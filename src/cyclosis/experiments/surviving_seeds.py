@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 
 from ..dynamics.protocol import Protocol
+from ..figures import quantities
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, QUIET, UP
 from ..model import initial
@@ -222,10 +223,13 @@ def _factor(factor: tuple[float, float, float]) -> str:
 def draw(data: xarray.Dataset) -> Figure:
     """Draw a cell in which a piece of cable survives, one without, and the results of all seeds by share."""
     times = np.asarray(data["frame_time"].values)
-    titles = [f"$t$ = {time:g}" for time in times]
+    titles = [quantities.when(time) for time in times]
     for k, name in ((0, ", before"), (1, ", fragmented"), (2, ", washed out")):
         titles[k] += name
-    titles[-2], titles[-1] = f"$t$ = {times[-2]:g}, as before", f"no survivors, $t$ = {times[-1]:g}"
+    titles[-2], titles[-1] = (
+        f"{quantities.when(times[-2])}, as before",
+        f"no survivors, {quantities.when(times[-1])}",
+    )
 
     def kept(ax: Any, angle: float, chance: str, label: str) -> None:
         x = np.geomspace(8e-5, 6e-3, 200)

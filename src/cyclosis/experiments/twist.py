@@ -11,6 +11,7 @@ import xarray
 from ..analysis.diagnostics import diagnose
 from ..analysis.zones import indifferent_zones
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Cell, Panel, interval, story
 from ..figures.style import DOWN, INK, LEGEND, QUIET, UP
 from ..model import initial
@@ -244,13 +245,13 @@ def draw(data: xarray.Dataset) -> Figure:
         middle, low, high = np.array([_middle(data["peak_speed"].values[k]) for k in at]).T
         interval(ax, tilt[at], middle, low, high, UP, "length 5")
         ax.set_xlabel("tilt of $d$", labelpad=1.0)
-        ax.set_ylabel("peak speed", labelpad=1.0)
+        quantities.name(ax.yaxis, "peak speed", "speed", labelpad=1.0)
         ax.legend(**(LEGEND | {"markerscale": 1.2, "fontsize": 8.5, "columnspacing": 0.6}))
 
     P, u = (np.asarray(data[name].values, dtype=np.float64) for name in ("P", "u"))
     times, across = data["frame_time"].values, data["shown_length"].values
     shown = [
-        Cell(f"length {across[k]:.3g}, $t$ = {times[k]:g}", P[k], u[k], float(across[k]))
+        Cell(f"length {across[k]:.3g}, {quantities.when(times[k])}", P[k], u[k], float(across[k]))
         for k in range(times.size)
     ]
     return story(shown, [Panel(lengths), Panel(tilts), Panel(speeds)], str(verdict(data)), same_view=False)

@@ -10,6 +10,7 @@ import xarray
 
 from ..analysis.regimes import REGIMES
 from ..dynamics.simulate import simulate
+from ..figures import quantities
 from ..figures.story import Panel, cells, reference, story
 from ..figures.style import DOWN, INK, QUIET, UP
 from ..model import initial
@@ -283,7 +284,7 @@ def draw(data: xarray.Dataset) -> Figure:
         ax.set_yscale("log")
         ax.set_ylim(3e-3, 150)
         ax.set_xlim(0, EARLY_END)
-        ax.set_xlabel("time", labelpad=1.0)
+        quantities.name(ax.xaxis, "time", "time", labelpad=1.0)
         ax.set_ylabel("order around the axis, %", labelpad=1.0)
 
     return story(cells(data, titles), [Panel(tilt), Panel(speeds), Panel(early)], str(verdict(data)))

@@ -14,6 +14,7 @@ from ..analysis.zones import DISORDER, crossings
 from ..dynamics.protocol import Protocol, Step, change, fragment
 from ..dynamics.simulate import simulate
 from ..dynamics.trajectory import Trajectory
+from ..figures import quantities
 from ..figures.frames import facing_zone
 from ..figures.story import Panel, cells, interval, reference, story
 from ..figures.style import DOWN, INK, UP
@@ -298,7 +299,7 @@ def _inhibited(data: xarray.Dataset) -> str:
 
 def draw(data: xarray.Dataset) -> Figure:
     """Draw a cell that heals, order inside over time, how long it takes, and the effect of bundling."""
-    titles = ["before", *(f"wound, $t$ = {since:g}" for since in TOLD_SINCE)]
+    titles = ["before", *(f"wound, {quantities.when(since)}" for since in TOLD_SINCE)]
     titles[2:] = [title.removeprefix("wound, ") for title in titles[2:]]
     titles.append("after a large wound")
 
@@ -309,11 +310,17 @@ def draw(data: xarray.Dataset) -> Figure:
         for size, colour in zip(chosen, (UP, DOWN, INK), strict=False):
             low, middle, high = along(data, "none", "course")[int(np.flatnonzero(sizes == size)[0])]
             ax.fill_between(since, low, high, color=colour, alpha=0.2, linewidth=0)
-            ax.plot(since, middle, color=colour, linewidth=1.1, label=f"radius {size:g}")
+            ax.plot(
+                since,
+                middle,
+                color=colour,
+                linewidth=1.1,
+                label=f"radius {quantities.words(size, 'length', 'g')}",
+            )
         ax.axhline(1.0, color=INK, linewidth=0.5, linestyle=":")
         ax.set_xlim(0, 12)
         ax.set_ylim(0, 1.05)
-        ax.set_xlabel("time since the wound, $R/U$", labelpad=1.0)
+        quantities.name(ax.xaxis, "time since the wound", "time", "$R/U$", labelpad=1.0)
         ax.set_ylabel("order inside, along the old", labelpad=1.0)
         ax.legend(fontsize=8.0, frameon=False, loc="lower right", borderpad=0, handlelength=1.2)
 
@@ -329,14 +336,22 @@ def draw(data: xarray.Dataset) -> Figure:
             interval(ax, 100 * along(data, drug, "share")[shown], value, low, high, colour, name)
         flow_alone = along(data, "none", "by_old_flow")
         reference(ax, float(np.median(flow_alone)), "theory, old flow")
-        ax.text(0.98, 1.0, "△ most not in 60", transform=ax.transAxes, fontsize=8.0, ha="right", va="bottom")
+        ax.text(
+            0.98,
+            1.0,
+            f"△ most not in {quantities.words(60.0, 'time', 'g')}",
+            transform=ax.transAxes,
+            fontsize=8.0,
+            ha="right",
+            va="bottom",
+        )
         ax.set_yscale("log")
         ax.set_yticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
         ax.minorticks_off()
         ax.set_xlim(-3, 100)
         ax.set_ylim(0.7, 70)
         ax.set_xlabel("wound, % of the surface", labelpad=1.0)
-        ax.set_ylabel("healed after, $R/U$", labelpad=1.0)
+        quantities.name(ax.yaxis, "healed after", "time", "$R/U$", labelpad=1.0)
         ax.legend(fontsize=8.0, frameon=False, loc="upper left", borderpad=0, handlelength=1.2)
 
     def kept(ax: Any) -> None:

@@ -18,6 +18,7 @@ from ..analysis.wilson import wilson
 from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
+from ..model.units import scales_in, shown_in
 from . import plane
 from .looks import setting
 from .style import INK, SHADE, WIDTH, blank, place
@@ -126,7 +127,7 @@ def basins(
     sweep = swept(dataset, select, log, beside=(NUMBER,))
     found = members(sweep)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
-    with setting(plane.TYPE):
+    with shown_in(scales_in(dataset)), setting(plane.TYPE):
         return _drawn(sweep, found, width)
 
 
@@ -320,5 +321,5 @@ def _lines(ax: Any, bar: Any, sweep: Swept, lines: Mapping[int, Separation]) -> 
         ends = [max(first[k] - 1, 0), min(last[k] + 2, side.values.size)]
         ax.set(**{name: side.edges[ends]})
     ax.set_title("point by point", loc="left", pad=4.0, fontsize=9.0)
-    ax.set_xlabel(x.symbol, labelpad=1.0)
-    ax.set_ylabel(y.symbol, labelpad=2.0)
+    plane.label(ax.xaxis, x, 1.0)
+    plane.label(ax.yaxis, y, 2.0)

@@ -14,6 +14,7 @@ from ..model.errors import InputError, choice, number
 from ..model.grid import Array
 from ..stability.branches.branch import MEASURES, Branch
 from ..stability.branches.diagram import label
+from . import quantities
 from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
@@ -44,6 +45,8 @@ SYMBOLS = {
     "drift": "drift about the axis",
 }
 """Labels of the quantities that may be drawn."""
+SPEEDS = ("max_u", "rms_u", "drift")
+"""Those that are speeds."""
 # Places in millimetres.
 _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _HIGH, _ROW = 16.0, 4.0, 10.0, 5.0, 19.0, 58.0, 4.8
 
@@ -137,7 +140,10 @@ def _panel(ax: Any, branches: Sequence[Branch], measure: str, log: bool) -> None
     if low <= 0 <= high:
         ax.axhline(0.0, color=QUIET, linewidth=0.5, zorder=0)
     ax.set_xlabel(axis(branches[0].name, np.sort(values)[[0, -1]], False).symbol, labelpad=1.0)
-    ax.set_ylabel(SYMBOLS[measure])
+    if measure in SPEEDS:
+        quantities.name(ax.yaxis, SYMBOLS[measure], "speed")
+    else:
+        ax.set_ylabel(SYMBOLS[measure])
     ax.spines[["top", "right"]].set_visible(False)
 
 

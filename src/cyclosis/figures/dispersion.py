@@ -19,6 +19,7 @@ from ..stability.kinetic import dispersion as kinetic
 from ..stability.kinetic.torques import with_torques
 from ..stability.uniform.dispersion import growth_rates
 from ..stability.uniform.uniform import BASES, orders
+from . import quantities
 from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 
@@ -147,6 +148,7 @@ def _figure(
 ) -> Figure:
     """Draw the growth rates of each state, or say that there is none."""
     across = (width - _LEFT - _RIGHT - (len(columns) - 1) * _GAP) / len(columns)
+    rows: dict[str, list[Any]] = {"growth rate": [], "frequency": []}
     with setting(TYPE):
         figure = blank(width, _BELOW + _LOWER + _BETWEEN + _UPPER + _ABOVE)
         for k, (base, rates) in enumerate(columns.items()):
@@ -155,11 +157,17 @@ def _figure(
             upper = place(figure, left, _BELOW + _LOWER + _BETWEEN, across, _UPPER)
             upper.set_title(TITLES[base], loc="left", fontsize=9.5, pad=3.0)
             _column(upper, lower, rates, length, largest, points)
+            rows["growth rate"].append(upper)
+            rows["frequency"].append(lower)
             if k == 0:
-                upper.set_ylabel("growth rate")
-                lower.set_ylabel("frequency")
-                figure.align_ylabels([upper, lower])
                 upper.legend(handles=_key(), **LEGEND | {"bbox_to_anchor": (-0.04, 1.09), "ncols": 5})
+        for text, panels in rows.items():  # one unit in a row
+            unit = quantities.unit("rate", max(abs(end) for ax in panels for end in ax.get_ylim()))
+            panels[0].set_ylabel(f"{text}{unit.brackets}")
+            for ax in panels:
+                if ax.lines[1:]:
+                    quantities.ticks(ax.yaxis, unit)
+        figure.align_ylabels([row[0] for row in rows.values()])
     return figure
 
 
@@ -169,7 +177,7 @@ def _column(upper: Any, lower: Any, growth: Rates | None, length: float, largest
         ax.set_xlim(-0.03 * largest, largest)
         ax.spines[["top", "right"]].set_visible(False)
     upper.tick_params(labelbottom=False)
-    lower.set_xlabel("wavenumber $k$", labelpad=1.0)
+    quantities.ticks(upper.xaxis, quantities.name(lower.xaxis, "wavenumber $k$", "wavenumber", labelpad=1.0))
     if growth is None:
         for ax in (upper, lower):
             ax.set_yticks([])

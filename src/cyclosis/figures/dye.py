@@ -6,14 +6,15 @@ import os
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 
 from ..model.doors import door
 from ..model.errors import InputError, number, whole
 from ..model.grid import Array
 from ..vacuole.transport import Transport
+from . import quantities
 from .encode import Output
+from .looks import setting
 from .scene import Pixels
 from .style import INK, QUIET, TYPE
 
@@ -34,13 +35,19 @@ COLOURS = "magma_r"
 
 
 @door
-def dye(transport: Transport, path: str | os.PathLike[str], seconds: float = 8.0, height: int = 360) -> Path:
+def dye(
+    transport: Transport,
+    path: str | os.PathLike[str],
+    seconds: float = 8.0,
+    height: int = 360,
+    about: str = "",
+) -> Path:
     """Write the frames of a scalar in the vacuole as a movie, MP4 or GIF by suffix, and return its path.
 
     On the left is the cross-section at half of the length, on the right the section along the axis through
     θ = 0 and π. Colours run from 0, or the least value if it is negative, to the largest of the first frame.
-    Times are in R/U; `height` is in pixels, even. Raises `InputError` for fewer than two frames: give
-    `cyclosis.vacuole.transport` some `frames`.
+    Times are in R/U; `height` is in pixels, even; `about` goes to the comment of the file. Raises
+    `InputError` for fewer than two frames: give `cyclosis.vacuole.transport` some `frames`.
 
     Example:
         >>> import numpy as np
@@ -59,7 +66,7 @@ def dye(transport: Transport, path: str | os.PathLike[str], seconds: float = 8.0
     seconds = number("seconds", seconds, 0.1, 3600.0, "choose a duration")
     height = whole("height", height, 60, 2160, "choose a number of pixels")
     low, high = min(float(transport.frames[0].min()), 0.0), float(transport.frames[0].max())
-    with Output(path, len(transport.frames), seconds) as output, matplotlib.rc_context(TYPE):
+    with Output(path, len(transport.frames), seconds, about) as output, setting(TYPE):
         for c, t in zip(transport.frames, transport.frame_times, strict=True):
             output.add(_picture(transport, c, float(t), low, high, height))
     return Path(path)
@@ -93,8 +100,11 @@ def _picture(transport: Transport, c: Array, t: float, low: float, high: float, 
     plane = np.concatenate([c[::-1, half], c[:, 0]])
     plane = np.concatenate([plane, plane[:, :1]], axis=1)
     along.pcolormesh(z, np.concatenate([-transport.r[::-1], transport.r]), plane, **shades)
-    along.set(xlabel="z, R", ylabel="x, R", xlim=(z[0], z[-1]), ylim=(-1, 1))
-    figure.text(0.395, 0.89, f"t = {t:.1f} R/U, Pe = {transport.peclet:g}", color=INK)
+    along.set(xlim=(z[0], z[-1]), ylim=(-1, 1))
+    quantities.name(along.xaxis, "z", "length", "R")
+    quantities.name(along.yaxis, "x", "length", "R")
+    when = quantities.words(t, "time", ".1f", "R/U")
+    figure.text(0.395, 0.89, f"t = {when}, Pe = {transport.peclet:g}", color=INK)
     canvas.draw()  # type: ignore[no-untyped-call]
     pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
     rows, columns = (n - n % 2 for n in pixels.shape[:2])  # the encoder needs even sizes

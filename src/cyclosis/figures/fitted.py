@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 from ..fitting.result import Fit
 from ..model.doors import door
 from ..model.errors import InputError, number
+from . import looks, quantities
+from .looks import setting
 from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 
 if TYPE_CHECKING:
@@ -61,7 +63,7 @@ def fitted(found: Fit, width: float = WIDTH) -> Figure:
     below = 0.0 if profile is None else 62.0
     rows = max(len(found.estimate), len(found.identifiable), 1)
     high = _ROW * rows
-    with matplotlib.rc_context(TYPE):
+    with looks.chosen(scales=found.scales), setting(TYPE):
         figure = blank(width, below + _BELOW + high + _ABOVE)
         across = (width - _LEFT - _RIGHT - _GAP) / 2
         _intervals(place(figure, _LEFT, below + _BELOW, across, high), found)
@@ -85,10 +87,11 @@ def _intervals(ax: Any, found: Fit) -> None:
             )
             ax.plot(0, k, "o", color=INK, markersize=3.5)
             wide += [1 - low / value, high / value - 1]
-            label = f"{value:.4g}"
+            label = f"{value:.4g}" + found.in_units(name).replace("  ", "\n").replace(" at this friction", "")
         ax.annotate(
-            label, (1, k), (4, 0), ("axes fraction", "data"), "offset points", va="center", fontsize=9.0
-        )
+            label, (1, k), (4, 0), ("axes fraction", "data"), "offset points", va="center",
+            fontsize=9.0 if found.scales is None else 7.5, linespacing=0.95,
+        )  # fmt: skip
     limit = 1.15 * min(max(wide), 2.0)
     ax.set_xlim(-limit, limit)
     ax.xaxis.set_major_formatter(lambda x, _: f"{100 * x:+.3g} %".replace("+0 %", "0"))
@@ -135,4 +138,4 @@ def _profile(ax: Any, profile: xarray.Dataset) -> None:
     ax.plot(theta, u, color=UP, linewidth=1.2)
     ax.axhline(0.0, color=QUIET, linewidth=0.6, zorder=0)
     ax.set_xlabel("θ (radians)", labelpad=1.0)
-    ax.set_ylabel("$u_z$")
+    quantities.name(ax.yaxis, "$u_z$", "speed")

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from ..model.doors import door
 from ..model.errors import number
 from ..stability.kinetic.travelling import TravellingState
+from . import quantities
 from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, blank, place
 
@@ -63,7 +64,8 @@ def travelling(found: TravellingState, width: float = WIDTH) -> Figure:
         left.spines[["top", "right"]].set_visible(False)
         left.legend(**LEGEND | {"bbox_to_anchor": (-0.03, 1.0), "ncols": 4})
         right = place(figure, _LEFT + across + _GAP, _BELOW, across, _HIGH)
-        right.set_title(f"density of angles; drift {found.drift:.6g}", loc="left", fontsize=9.0, pad=3.0)
+        drift = quantities.words(found.drift, "speed", ".6g")
+        right.set_title(f"density of angles; drift {drift}", loc="left", fontsize=9.0, pad=3.0)
         image = right.pcolormesh(
             *_density(found), cmap="Purples", vmin=0.0, shading="gouraud", rasterized=True
         )

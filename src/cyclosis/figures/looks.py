@@ -1,4 +1,4 @@
-"""Choices about all figures: the colours of states, the font, and a style sheet of matplotlib.
+"""Choices about all figures: the colours of states, the font, a style sheet of matplotlib, and units.
 
 They hold within a `with looks.chosen(...)`. Without one, figures are as the rest of the package draws them.
 """
@@ -19,6 +19,8 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from ..display.colours import BLUE, DARKEST, GAMMA, GREEN, ORANGE, PURPLE, WHEEL, Stops, diverging
 from ..model.errors import InputError, choice, closest
 from ..model.grid import Array
+from ..model.scales import Scales
+from ..model.units import chosen_scales, shown_in, table_of
 
 __all__ = [
     "COLOURS",
@@ -28,6 +30,7 @@ __all__ = [
     "colours",
     "direction_rgb",
     "polarity_map",
+    "scales",
     "setting",
 ]
 
@@ -49,14 +52,19 @@ _SETTINGS: ContextVar[Mapping[str, Any]] = ContextVar("settings", default=_NONE)
 
 @contextmanager
 def chosen(
-    colours: str | None = None, font: str | None = None, sheet: str | os.PathLike[str] | None = None
+    colours: str | None = None,
+    font: str | None = None,
+    sheet: str | os.PathLike[str] | None = None,
+    scales: Scales | None = None,
 ) -> Iterator[None]:
     """Draw and save figures with other colours, another font, or a style sheet, within a `with`.
 
     `colours` are one of `COLOURS`: those of P_z, by names of which berlin, managua and vanimo are
     matplotlib's, or "direction", in which hue is the direction of P and dark is a small |P|. `font` is the
     name of an installed font. `sheet` is a file of matplotlib, or the name of one that it has; sizes of
-    figures in millimetres take precedence over it. Raises `InputError` for names that do not exist.
+    figures in millimetres take precedence over it. `scales` are those of a cell: figures of theory, sweeps,
+    experiments and the vacuole then have seconds, µm and µm/s on their axes; figures of a run have the scales
+    of its dataset. Raises `InputError` for names that do not exist.
 
     Example:
         >>> import cyclosis as cy
@@ -71,10 +79,13 @@ def chosen(
     """
     if colours is not None:
         choice("colours", colours, COLOURS)
+    if scales is not None:
+        table_of(scales)
     settings = dict(_SETTINGS.get()) | _sheet(sheet) | _font(font)
     before = _COLOURS.set(colours or _COLOURS.get()), _SETTINGS.set(settings)
     try:
-        yield
+        with shown_in(scales):
+            yield
     finally:
         _COLOURS.reset(before[0])
         _SETTINGS.reset(before[1])
@@ -89,6 +100,11 @@ def setting(base: Mapping[str, Any]) -> Any:
 def colours() -> str:
     """Return the name of the colours that are chosen."""
     return _COLOURS.get()
+
+
+def scales() -> Scales | None:
+    """Return the scales that are chosen, None if axes are dimensionless."""
+    return chosen_scales()
 
 
 def polarity_map() -> Colormap:

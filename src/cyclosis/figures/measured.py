@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from ..model.doors import door
 from ..model.errors import InputError, whole
-from .style import DOWN, INK, POLARITY, QUIET, TYPE, UP, WIDTH, blank, place
+from ..model.units import PURE, scales_of_measurement
+from . import looks, quantities
+from .looks import chosen as chosen_looks
+from .looks import setting
+from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 
 __all__ = [
     "MOST_ARROWS",
@@ -58,7 +61,7 @@ def measurement(
     view = obs.camera
     if view is None:
         raise InputError("obs", "without a view", "a measurement with a view", "call its method view")
-    with matplotlib.rc_context(TYPE):
+    with chosen_looks(scales=scales_of_measurement(data)), setting(TYPE):
         height = 82.0
         figure = blank(WIDTH, height)
         ax = place(figure, 12.0, 12.0, WIDTH - _HALF - 24.0, height - 22.0)
@@ -74,11 +77,16 @@ def measurement(
             else np.degrees(data["angle"].isel(time=chosen).values)
         )
         shown = _map(
-            second, data, values, POLARITY if name == "u" else "twilight", None if name == "u" else 90.0
+            second,
+            data,
+            values,
+            looks.polarity_map() if name == "u" else "twilight",
+            None if name == "u" else 90.0,
         )
-        unit = {"1": "U", "s-1": "R/s", "frame-1": "R/frame"}.get(data[name].attrs.get("units", ""), "")
-        label = rf"$u_z$ ({unit})" if name == "u" else "angle from +z (degrees)"
-        _key(figure, shown, WIDTH - 22.0, 12.0, height - 22.0, label)
+        plain = {"1": "U", "s-1": "R/s", "frame-1": "R/frame"}.get(data[name].attrs.get("units", ""), "")
+        unit = quantities.unit("speed") if name == "u" else PURE
+        label = rf"$u_z$ ({unit.name or plain})" if name == "u" else "angle from +z (degrees)"
+        quantities.ticks(_key(figure, shown, WIDTH - 22.0, 12.0, height - 22.0, label).yaxis, unit)
         second.set_title("on the surface" + _when(data, chosen), fontsize=10.0)
     return figure
 
@@ -103,7 +111,7 @@ def comparison(data: Any, frame: int | None = None) -> Figure:
     """
     chosen = _chosen(data, "measured", frame)
     now = data.isel(time=chosen)
-    with matplotlib.rc_context(TYPE):
+    with chosen_looks(scales=scales_of_measurement(data)), setting(TYPE):
         height = 88.0
         figure = blank(WIDTH, height)
         largest = float(np.nanmax(np.abs(now["measured"].sel(component="z").values)))
@@ -116,11 +124,14 @@ def comparison(data: Any, frame: int | None = None) -> Figure:
                 told = "noise" if "noise" in data["residual"].attrs.get("long_name", "") else "peak"
                 _key(figure, shown, 159.0, 12.0, height - 22.0, f"in units of the {told}")
             else:
-                shown = _map(ax, now, values, POLARITY, largest)
+                shown = _map(ax, now, values, looks.polarity_map(), largest)
                 _arrows(ax, now, now[name].values)
             if k:
                 ax.set_ylabel("")
-            ax.set_title(name + ("" if k else _when(data, chosen)), fontsize=10.0)
+            title = name + ("" if k else _when(data, chosen))
+            if k == 0 and quantities.unit("speed") is not PURE:
+                title += f", up to {quantities.words(largest, 'speed')}"
+            ax.set_title(title, fontsize=10.0)
     return figure
 
 
@@ -138,7 +149,8 @@ def _chosen(data: Any, name: str, frame: int | None) -> int:
 
 def _when(data: Any, frame: int) -> str:
     """Return the time of a frame in words, where there are several."""
-    return f", t = {float(data['time'].values[frame]):.4g}" if data.sizes["time"] > 1 else ""
+    time = float(data["time"].values[frame])
+    return f", t = {quantities.words(time, 'time')}" if data.sizes["time"] > 1 else ""
 
 
 def _image(ax: Any, obs: Any, view: Any, frame: Any, image: Any, depth_um: float | None) -> None:
@@ -253,7 +265,9 @@ def _map(ax: Any, data: Any, values: npt.NDArray[np.float64], colours: Any, larg
     shown = ax.pcolormesh(
         _edges(theta), _edges(z), values.T, cmap=colours, vmin=-most, vmax=most, rasterized=True
     )
-    ax.set(xlabel="θ (rad)", ylabel="z (R)", aspect="equal")
+    ax.set(xlabel="θ (rad)", aspect="equal")
+    if quantities.name(ax.yaxis, "z", "length") is PURE:
+        ax.set_ylabel("z (R)")
     return shown
 
 
@@ -274,6 +288,7 @@ def _edges(axis: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return np.concatenate([[2 * axis[0] - middle[0]], middle, [2 * axis[-1] - middle[-1]]])
 
 
-def _key(figure: Figure, shown: Any, left: float, bottom: float, height: float, label: str) -> None:
+def _key(figure: Figure, shown: Any, left: float, bottom: float, height: float, label: str) -> Any:
     ax = place(figure, left, bottom + 0.15 * height, 3.0, 0.7 * height)
     figure.colorbar(shown, cax=ax, label=label)
+    return ax

@@ -14,6 +14,7 @@ from ..analysis.wilson import wilson
 from ..model.doors import door
 from ..model.errors import InputError, number
 from ..model.grid import Array
+from ..model.units import scales_in, shown_in
 from . import plane
 from .looks import setting
 from .regime_maps import regimes_and_time as regimes_and_time
@@ -90,7 +91,7 @@ def phase_diagram(
     sweep = swept(dataset, select, log)
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
     lines = [*thresholds(sweep.params, sweep.axes), *given(curves)]
-    with setting(plane.TYPE):
+    with shown_in(scales_in(dataset)), setting(plane.TYPE):
         if len(sweep.axes) == 1:
             return _curve(sweep, lines, width)
         return _map(sweep, lines, chosen_cuts(sweep, cuts), width)
@@ -139,8 +140,8 @@ def _map(sweep: Swept, lines: list[BorderCurve], cuts: list[int], width: float) 
     plane.outline(ax, x, y, sweep.regions)
     handles = plane.draw_curves(ax, lines)
     plane.label_regions(ax, x, y, sweep.regions, lines)
-    ax.set_xlabel(x.symbol, labelpad=1.0)
-    ax.set_ylabel(y.symbol, labelpad=2.0)
+    plane.label(ax.xaxis, x, 1.0)
+    plane.label(ax.yaxis, y, 2.0)
     if handles:
         ax.legend(handles=handles, **plane.KEY)
     plane.key(place(figure, _LEFT + side + 3.0, below, _KEY, side), drawn, "% cyclosis")
@@ -152,9 +153,9 @@ def _map(sweep: Swept, lines: list[BorderCurve], cuts: list[int], width: float) 
         bottom = below + (len(cuts) - 1 - k) * (high + _BETWEEN)
         panel = place(figure, left, bottom, width - left - _RIGHT, high)
         draw_cut(panel, x, *(values[:, row] for values in percent))
-        panel.set_title(f"{y.symbol} = {y.values[row]:.3g}", loc="left", pad=2.5, fontsize=9.0)
+        panel.set_title(f"{y.symbol} = {plane.told(y, y.values[row])}", loc="left", pad=2.5, fontsize=9.0)
         panel.set_title("95 % intervals" if k == 0 else "", loc="right", pad=2.5, fontsize=9.0)
-        panel.set_xlabel(x.symbol if last else "", labelpad=1.0)
+        plane.label(panel.xaxis, x, 1.0, last)
         panel.tick_params(labelbottom=last)
         where = ax.get_yaxis_transform()
         ax.plot(1.018, y.values[row], "<", markersize=3.6, color=INK, mew=0, clip_on=False, transform=where)
@@ -185,7 +186,7 @@ def _curve(sweep: Swept, lines: list[BorderCurve], width: float) -> Figure:
     figure = blank(width, below + _CURVE + _STRIP + plane.head(lines) + 2.0)
     ax = place(figure, left, below, across, _CURVE)
     draw_cut(ax, x, *percentages(sweep))
-    ax.set_xlabel(x.symbol, labelpad=1.0)
+    plane.label(ax.xaxis, x, 1.0)
     ax.set_ylabel("cyclosis, with 95 % intervals")
     handles = plane.draw_curves(ax, lines)
     strip = place(figure, left, below + _CURVE + 1.5, across, _STRIP - 1.5)

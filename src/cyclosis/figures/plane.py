@@ -16,7 +16,8 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, NullLocat
 
 from ..analysis.outcomes import REGIONS
 from ..model.grid import Array
-from . import style
+from ..model.units import PURE
+from . import quantities, style
 from .style import INK, LEGEND, QUIET, SHADE, ZONE
 from .swept import Axis, Codes, Swept
 from .thresholds import DISORDER, EXISTS, ROTATES, STABLE, STRIPES, TILT, TILTS, BorderCurve
@@ -91,6 +92,26 @@ def tick(side: Any, axis: Axis, roomy: bool = True) -> None:
         round_ticks(side, np.ptp(np.log10(axis.edges)) > (3.0 if roomy else 1.2))
     side.set_major_formatter(lambda value, _: f"{value:.3g}")
     side.set_minor_formatter(NullFormatter())
+
+
+def label(side: Any, axis: Axis, labelpad: float, shown: bool = True) -> None:
+    """Name one side of axes, unless it is not `shown`, and put its ticks in units if some are chosen."""
+    if axis.kind:
+        fixed = side.get_major_locator() if axis.values.size <= 6 else None
+        unit = quantities.name(side, axis.symbol, axis.kind, labelpad=labelpad)
+        if fixed is not None and unit is not PURE:
+            side.set_major_locator(fixed)
+            side.set_major_formatter(lambda value, _: f"{unit.factor * value:.3g}")
+    else:
+        side.set_label_text(axis.symbol)
+        side.labelpad = labelpad
+    if not shown:
+        side.set_label_text("")
+
+
+def told(axis: Axis, value: float) -> str:
+    """Return a value on an axis in words."""
+    return quantities.words(value, axis.kind, ".3g") if axis.kind else f"{value:.3g}"
 
 
 def round_ticks(side: Any, wide: bool = False) -> None:

@@ -14,7 +14,8 @@ from ..analysis.regimes import REGIMES
 from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array
-from . import plane
+from ..model.units import scales_in, shown_in
+from . import plane, quantities
 from .looks import setting
 from .style import INK, SHADE, UP, WIDTH, ZONE, blank, place
 from .swept import Swept, grouped, swept
@@ -79,7 +80,7 @@ def regimes_and_time(
     sweep = swept(dataset, select, log)
     times = sweep.variable("t_order")
     width = number("width", width, 140.0, 1000.0, "choose a width in millimetres")
-    with setting(plane.TYPE):
+    with shown_in(scales_in(dataset)), setting(plane.TYPE):
         if len(sweep.axes) == 1:
             return _stack(sweep, times, width)
         return _maps(sweep, time_to_order(sweep.regime, times), width)
@@ -118,12 +119,15 @@ def _maps(sweep: Swept, times: Array, width: float) -> Figure:
         ax = place(figure, left, bottom, side, side)
         drawn = _time_cells(ax, sweep, times) if name == _TIME else _share_cells(ax, sweep, name)
         lowest = k + columns >= count
-        ax.set_xlabel(sweep.axes[0].symbol if lowest else "", labelpad=1.0)
-        ax.set_ylabel(sweep.axes[1].symbol if column == 0 else "", labelpad=2.0)
+        plane.label(ax.xaxis, sweep.axes[0], 1.0, lowest)
+        plane.label(ax.yaxis, sweep.axes[1], 2.0, column == 0)
         ax.tick_params(labelleft=column == 0)
         if name == _TIME or k == min(columns, len(names)) - 1:
             bar = place(figure, left + side + 2.0, bottom, 2.6, side)
-            plane.key(bar, drawn, "$t$" if name == _TIME else "%")
+            unit = quantities.unit("time", drawn.norm.vmax)
+            plane.key(bar, drawn, f"$t${unit.brackets}" if name == _TIME else "%")
+            if name == _TIME:
+                quantities.ticks(bar.yaxis, unit)
     plane.notes(figure, sweep)
     return figure
 
@@ -172,8 +176,9 @@ def _stack(sweep: Swept, times: Array, width: float) -> Figure:
     middle, low, high = (time_to_order(sweep.regime, times, q) for q in (0.5, 0.25, 0.75))
     lower.fill_between(x.values, low, high, color=SHADE, linewidth=0)
     lower.plot(x.values, middle, ".-", color=INK, linewidth=1.0, markersize=4.0)
-    lower.set(yscale="log", ylabel="time to order", ylim=plane.rounded(low, high))
+    lower.set(yscale="log", ylim=plane.rounded(low, high))
     plane.round_ticks(lower.yaxis)
+    quantities.name(lower.yaxis, "time to order", "time")
     upper.set(ylim=(0, 100), ylabel="% of runs", yticks=[0, 50, 100])
     for ax in (upper, lower):
         ax.set(xscale=x.scale, xlim=x.edges[[0, -1]])
@@ -183,6 +188,7 @@ def _stack(sweep: Swept, times: Array, width: float) -> Figure:
     upper.tick_params(labelbottom=False)
     if sweep.present:
         upper.legend(**plane.KEY | {"ncols": 4, "handlelength": 1.1})
-    lower.set_xlabel(x.symbol, labelpad=1.0)
+    plane.label(upper.xaxis, x, 1.0, False)
+    plane.label(lower.xaxis, x, 1.0)
     plane.notes(figure, sweep)
     return figure

@@ -17,6 +17,7 @@ from ..stability.branches.branch import Branch
 from ..stability.profiles.eigenmodes import Modes
 from ..stability.profiles.profile import Profile
 from ..stability.profiles.travelling import Drifting
+from . import quantities
 from .looks import setting
 from .style import DOWN, INK, LEGEND, QUIET, TYPE, UP, WIDTH, ZONE, blank, place
 from .swept import axis
@@ -61,7 +62,10 @@ def profile(found: Profile, width: float = WIDTH) -> Figure:
         for k, (name, colour) in enumerate((("P_z", UP), ("u_z", INK))):
             ax = place(figure, _LEFT + k * (across + _GAP), _BELOW, across, _PROFILE)
             _profile(ax, found, k)
-            ax.set_ylabel(f"${name}$", color=colour)
+            if k == 0:
+                ax.set_ylabel(f"${name}$", color=colour)
+            else:
+                quantities.name(ax.yaxis, f"${name}$", "speed", color=colour)
         return figure
 
 
@@ -90,7 +94,10 @@ def drifting(found: Drifting, width: float = WIDTH) -> Figure:
             ax.set_xlabel("θ", labelpad=1.0)
             ax.legend(**LEGEND)
             if k == 0:
-                ax.set_title(f"drift {found.drift:.6g}", loc="right", fontsize=9.0, pad=3.0)
+                drift = quantities.words(found.drift, "speed", ".6g")
+                ax.set_title(f"drift {drift}", loc="right", fontsize=9.0, pad=3.0)
+            else:
+                quantities.name(ax.yaxis, "", "speed")
         return figure
 
 
@@ -129,7 +136,7 @@ def spectrum(found: Profile, modes: Modes, width: float = WIDTH) -> Figure:
             Line2D([], [], color=QUIET, linewidth=0.8, label="$P$"),
         ]
         top = figure.axes[1]
-        top.legend(handles=key, **LEGEND | {"bbox_to_anchor": (-0.03, 1.3 if count > 2 else 1.05)})
+        top.legend(handles=key, **LEGEND | {"bbox_to_anchor": (-0.03, 1.0)})
         return figure
 
 
@@ -188,7 +195,9 @@ def _profile(ax: Any, found: Profile, which: int) -> None:
         ax.axvline(zone, color=QUIET, linewidth=0.6, linestyle=(0, (1, 1.4)))
     _around(ax)
     ax.set_xlabel("θ", labelpad=1.0)
-    ax.set_title(f"largest {np.abs(values).max():.6g}", loc="left", fontsize=9.0, pad=3.0)
+    largest = float(np.abs(values).max())
+    told = quantities.words(largest, "speed", ".6g") if which else f"{largest:.6g}"
+    ax.set_title(f"largest {told}", loc="left", fontsize=9.0, pad=3.0)
 
 
 def _plane(ax: Any, modes: Modes) -> None:
@@ -203,12 +212,21 @@ def _plane(ax: Any, modes: Modes) -> None:
     if span <= 1e-6:
         ax.set_yticks([0.0])
         ax.set_ylim(-1.0, 1.0)
-    ax.set_xlabel("Re σ", labelpad=1.0)
-    ax.set_ylabel("Im σ", labelpad=1.0)
+    _name_plane(ax, 1.0)
     title = f"{modes.eigenvalues.size} leading eigenvalues"
     if modes.wavenumber:
-        title += f", q = {modes.wavenumber:.4g}"
+        title += f", q = {quantities.words(modes.wavenumber, 'wavenumber')}"
     ax.set_title(title, loc="left", fontsize=9.0, pad=3.0)
+
+
+def _name_plane(ax: Any, pad: float) -> None:
+    """Name the axes of the complex plane, both in one unit."""
+    unit = quantities.unit("rate", float(np.abs(ax.get_xlim()).max()))
+    ax.set_xlabel(f"Re σ{unit.brackets}", labelpad=1.0)
+    ax.set_ylabel(f"Im σ{unit.brackets}", labelpad=pad)
+    quantities.ticks(ax.xaxis, unit)
+    if ax.get_yticks().size > 1:
+        quantities.ticks(ax.yaxis, unit)
 
 
 def _mode(ax: Any, found: Profile, modes: Modes, k: int) -> None:
@@ -224,7 +242,10 @@ def _mode(ax: Any, found: Profile, modes: Modes, k: int) -> None:
     ax.set_ylim(-1.25, 1.25)
     ax.set_yticks([])
     value = modes.eigenvalues[k]
-    shown = f"{value.real:.4g}" if abs(value.imag) < NEUTRAL else f"{value.real:.4g} ± {abs(value.imag):.4g}i"
+    unit = quantities.unit("rate", abs(value))
+    real, imaginary = (f"{unit.factor * part:.4g}" for part in (value.real, abs(value.imag)))
+    shown = real if abs(value.imag) < NEUTRAL else f"{real} ± {imaginary}i"
+    shown = f"{shown} {unit.name}".rstrip()
     shown = "0 (rotation)" if abs(value) < NEUTRAL else shown
     ax.set_title(f"σ = {shown}", loc="right", fontsize=8.5, pad=1.5)
 
@@ -249,7 +270,7 @@ def _rates(ax: Any, branch: Branch, log: bool, window: tuple[float, float]) -> N
     ax.set_xlim(x.min(), x.max())
     ax.set_ylim(*window)
     ax.set_xlabel(axis(branch.name, x[[0, -1]] if x[0] < x[-1] else x[[-1, 0]], False).symbol, labelpad=1.0)
-    ax.set_ylabel("growth rate Re σ")
+    quantities.name(ax.yaxis, "growth rate Re σ", "rate")
     ax.spines[["top", "right"]].set_visible(False)
     key = [
         Line2D([], [], color=UP, linewidth=1.1, label="the same along the cell"),
@@ -272,8 +293,7 @@ def _ways(ax: Any, branch: Branch, window: tuple[float, float], span: float) -> 
                 ax.add_collection(LineCollection(list(pieces[usable]), colors=faded, linewidths=1.1))
     ax.set_xlim(*window)
     ax.set_ylim(-1.15 * span, 1.15 * span)
-    ax.set_xlabel("Re σ", labelpad=1.0)
-    ax.set_ylabel("Im σ", labelpad=0.0)
+    _name_plane(ax, 0.0)
 
 
 def _window(branch: Branch) -> tuple[float, float]:

@@ -14,10 +14,11 @@ from matplotlib.figure import Figure
 
 from ..model.errors import InputError, number
 from ..model.grid import Array, CylinderGrid
-from . import cylinder
+from ..model.units import scales_text
+from . import cylinder, looks
 from .frames import facing_zone
 from .looks import setting
-from .style import INK, QUIET, TYPE, WIDTH, blank, place
+from .style import INK, QUIET, TYPE, WIDTH, blank, place, scale_bar
 
 # Places in millimetres.
 _MARGIN, _LEFT, _RIGHT, _BELOW, _ABOVE, _GAP, _LINE = 3.0, 15.0, 4.0, 11.0, 8.0, 17.0, 4.0
@@ -38,12 +39,16 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Another picture in the place of a cylinder: `draw(ax)` draws it, `across` and `up` radii large."""
+    """Another picture in the place of a cylinder: `draw(ax)` draws it, `across` and `up` radii large.
+
+    `solid` tells that it is the picture of a cell, which has a bar of a round length in physical units.
+    """
 
     title: str
     draw: Callable[[Any], None]
     across: float
     up: float
+    solid: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,6 +91,9 @@ def story(
     width = number("width", width, 100.0, 1000.0, "choose a width in millimetres")
     if not panels:
         raise InputError("panels", 0, "at least one", "give what was measured")
+    scales = looks.scales()
+    if scales is not None:
+        text = f"{text} {scales_text(scales)}".strip()
     lines = textwrap.wrap(text, int((width - 2 * _MARGIN) / _LETTER)) if text else []
     foot = _LINE * len(lines) + (2.0 if lines else 0.0)
     row = _TALL + _TITLE if shown else 0.0
@@ -124,6 +132,8 @@ def _cylinders(
         ax = place(figure, left, bottom, scale * one.across, scale * one.up)
         one.draw(ax)
         ax.set_title(one.title, fontsize=9.0, pad=2.5)
+        if one.solid and k == 0:
+            scale_bar(ax, looks.scales(), (-1.0, 1.0, ax.get_ylim()[0], 0.0))
 
 
 def _seen(shown: Sequence[Cell], same_view: bool) -> Iterator[Drawn]:
@@ -138,7 +148,7 @@ def _seen(shown: Sequence[Cell], same_view: bool) -> Iterator[Drawn]:
         angle = view if same_view else facing_zone(cell.P)
         how: dict[str, Any] = {"view_angle": angle, "peak_speed": max(peak, 1e-6)}
         draw = partial(cylinder.draw, grid=grid, P=cell.P, u=cell.u, **how)
-        yield Drawn(cell.title, draw, box[1] - box[0] + 0.06, box[3] - box[2] + 0.06)
+        yield Drawn(cell.title, draw, box[1] - box[0] + 0.06, box[3] - box[2] + 0.06, True)
 
 
 def interval(ax: Any, x: Array, value: Array, low: Array, high: Array, colour: str, label: str = "") -> None:

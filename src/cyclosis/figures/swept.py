@@ -26,6 +26,7 @@ DOUBTFUL = ("underresolved", "diverged")
 _USED = ("regime", "status", "t_order", "initial_k0", "initial_m1")
 _SYMBOLS = {item.name: item.symbol for item in (*INITIAL, *GRID, *PARAMETERS) if item.symbol != "-"}
 _STEP_KEYS = {"at": "time", "over": "duration"}
+_STEP_LENGTHS = ("radius", "z", "z0", "z1", "width")
 _RAISED = {"⁽ˢ⁾": "^{(s)}", "⁽ʳ⁾": "^{(r)}", "ℓ": r"\ell"}
 
 
@@ -50,6 +51,14 @@ class Axis:
         for mark, raised in _RAISED.items():
             symbol = symbol.replace(mark, raised)
         return f"${symbol}$"
+
+    @property
+    def kind(self) -> str:
+        """What is swept, one of `UNITS` of the model, or "" for a number without a dimension."""
+        step, _, key = self.name.rpartition(".")
+        if not step:
+            return "length" if key == "length" else ""
+        return "time" if key in _STEP_KEYS else "length" if key in _STEP_LENGTHS else ""
 
     @property
     def scale(self) -> str:

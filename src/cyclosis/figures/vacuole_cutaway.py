@@ -19,10 +19,11 @@ from ..model.precision import double
 from ..vacuole.flow import VacuoleFlow
 from ..vacuole.splines import coefficients, compiled_velocity, lattice_of
 from ..vacuole.tracers import cartesian_places
+from . import looks
 from .cylinder import TILT, checked_tilt
 from .looks import setting
 from .streamlines import traced
-from .style import INK, PAPER, QUIET, TYPE, ZONE, blank, colour_key, place, polarity_rgb
+from .style import INK, PAPER, QUIET, TYPE, ZONE, blank, colour_key, place, polarity_rgb, scale_bar
 
 __all__ = [
     "ACROSS",
@@ -50,7 +51,7 @@ STEPS = 60
 """Steps along it."""
 ACROSS = 32
 """Points across the diameter from which the velocity is interpolated."""
-_MARGIN, _KEY, _BELOW = 4.0, 16.0, 3.0
+_MARGIN, _KEY, _BELOW, _BAR = 4.0, 16.0, 3.0, 8.0
 _NARROW = 0.2
 """Width of a streamline at its thin end over that at its thick end."""
 
@@ -89,16 +90,20 @@ def vacuole_cutaway(
     view_angle = number("view_angle", view_angle, -1e6, 1e6, "choose an angle in radians")
     tilt = checked_tilt(tilt)
     lines = whole("lines", lines, 0, 2000, "choose a number of streamlines")
+    width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     up = float(grid.length * np.cos(tilt) + 2 * np.sin(tilt))
     with setting(TYPE):
         across = width - 2 * _MARGIN - _KEY
-        figure = blank(width, across * up / 2 + 2 * _BELOW)
-        ax = place(figure, _MARGIN, _BELOW, across, across * up / 2)
+        below = _BELOW if looks.scales() is None else _BELOW + _BAR
+        figure = blank(width, across * up / 2 + below + _BELOW)
+        ax = place(figure, _MARGIN, below, across, across * up / 2)
         _wall(ax, grid, state[1], view_angle, tilt)
         if lines:
             _streamlines(ax, flow, view_angle, tilt, lines)
+        low = -float(np.sin(tilt))
+        scale_bar(ax, looks.scales(), (-1.0, 1.0, low, low + up))
         colour_key(
-            place(figure, _MARGIN + across + 5.0, _BELOW + 0.3 * across * up / 2, 3.0, 0.4 * across * up / 2)
+            place(figure, _MARGIN + across + 5.0, below + 0.3 * across * up / 2, 3.0, 0.4 * across * up / 2)
         )
         return figure
 

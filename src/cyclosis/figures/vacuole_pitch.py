@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from ..model.doors import door
-from ..model.errors import InputError
+from ..model.errors import InputError, number
 from ..vacuole.helix import axis_speed, radial_stream
+from . import quantities
 from .looks import setting
 from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 
@@ -47,6 +48,7 @@ def vacuole_pitch(pitches: tuple[float, ...] = SHOWN, width: float = WIDTH) -> F
     if len(pitches) != 4:
         raise InputError("pitches", pitches, "four numbers", "choose those to draw")
     speeds = axis_speed(pitches)
+    width = number("width", width, 130.0, 1000.0, "choose a width in millimetres")
     with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         across = width - _LEFT - 2 * _SECTION - 3 * _GAP
@@ -69,7 +71,8 @@ def _curves(ax: Any, pitches: tuple[float, ...], speeds: Any) -> None:
     ax.scatter(pitches, speeds, color=INK, s=16, zorder=3, linewidths=0)
     best = int(np.argmax(speed))
     ax.annotate(
-        f"pitch {SHOWN[1]:.4f}\nspeed {float(axis_speed(SHOWN[1])):.5f}",
+        f"pitch {quantities.words(SHOWN[1], 'length', '.4f')}\n"
+        f"speed {quantities.words(float(axis_speed(SHOWN[1])), 'speed', '.5f')}",
         (pitch[best], speed[best]),
         xytext=(-12, 16),
         textcoords="offset points",
@@ -77,9 +80,10 @@ def _curves(ax: Any, pitches: tuple[float, ...], speeds: Any) -> None:
         ha="right",
         va="center",
     )
-    ax.set(xscale="log", yscale="log", xlim=(0.8, 60), ylim=(1e-6, 0.5), xlabel="pitch, in radii")
+    ax.set(xscale="log", yscale="log", xlim=(0.8, 60), ylim=(1e-6, 0.5))
     ax.set_xticks([1, 3, 10, 30], ["1", "3", "10", "30"])
     ax.minorticks_off()
+    quantities.name(ax.xaxis, "pitch", "length", "in radii")
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(loc="lower left", frameon=False, fontsize=9.0, handlelength=1.6)
 
@@ -103,4 +107,5 @@ def _circulation(ax: Any, pitch: float, speed: float) -> None:
     ax.add_patch(Circle((0, 0), 1.0, facecolor="none", edgecolor=INK, linewidth=0.8))
     ax.set(xlim=(-1.03, 1.03), ylim=(-1.03, 1.03), aspect="equal")
     ax.set_axis_off()
-    ax.set_title(f"pitch {pitch:.4g}: {speed:.2g}", fontsize=9.0, pad=1.0)
+    told = f"pitch {quantities.words(pitch, 'length')}: {quantities.words(speed, 'speed', '.2g')}"
+    ax.set_title(told, fontsize=9.0, pad=1.0)

@@ -14,8 +14,9 @@ from ..model.errors import InputError, number, whole
 from ..vacuole import poincare, stream_function, trace
 from ..vacuole.flow import VacuoleFlow
 from ..vacuole.section import winding
+from . import looks, quantities
 from .looks import setting
-from .style import INK, QUIET, TYPE, blank, place
+from .style import INK, QUIET, TYPE, blank, place, scale_bar
 
 __all__ = [
     "vacuole_poincare",
@@ -31,7 +32,7 @@ TRACERS, DURATION = 32, 800.0
 LEVELS, ACROSS = 13, 161
 """Lines of the stream function, and points across the section for them."""
 # Places in millimetres.
-_MARGIN, _ABOVE = 3.0, 8.0
+_MARGIN, _ABOVE, _BAR = 3.0, 8.0, 6.0
 
 
 @door
@@ -67,10 +68,12 @@ def vacuole_poincare(
     angle = np.pi * (3 - np.sqrt(5.0)) * np.arange(count)
     starts = np.stack([np.sqrt(share), angle, np.full(count, height)], axis=1)
     found = poincare(trace(flow, starts, duration), height)
+    width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     with setting(TYPE):
         side = width - 2 * _MARGIN
-        figure = blank(width, side + _MARGIN + _ABOVE)
-        ax = place(figure, _MARGIN, _MARGIN, side, side)
+        below = _MARGIN if looks.scales() is None else _MARGIN + _BAR
+        figure = blank(width, side + below + _ABOVE)
+        ax = place(figure, _MARGIN, below, side, side)
         if winding(flow):
             _lines(ax, flow, height)
         colours = colormaps["viridis"](np.sqrt(share))
@@ -78,8 +81,9 @@ def vacuole_poincare(
         ax.add_patch(Circle((0, 0), 1.0, facecolor="none", edgecolor=INK, linewidth=0.8, zorder=3))
         ax.set(xlim=(-1.03, 1.03), ylim=(-1.03, 1.03), aspect="equal")
         ax.set_axis_off()
-        ax.set_title(f"$z$ = {height:g}", loc="left", fontsize=10.0, pad=2.0)
-        told = f"{count} tracers, {duration:g} $R/U$"
+        ax.set_title(f"$z$ = {quantities.words(height, 'length', 'g')}", loc="left", fontsize=10.0, pad=2.0)
+        told = f"{count} tracers, {quantities.words(duration, 'time', 'g', '$R/U$')}"
+        scale_bar(ax, looks.scales(), (-1.0, 1.0, -1.0, 1.0))
         ax.set_title(told, loc="right", fontsize=9.0, pad=2.0)
         return figure
 

@@ -12,8 +12,9 @@ from ..model.doors import door
 from ..model.errors import number
 from ..model.grid import Array
 from ..vacuole.flow import VacuoleFlow
+from . import looks, quantities
 from .looks import setting
-from .style import INK, POLARITY, QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb
+from .style import INK, QUIET, TYPE, WIDTH, ZONE, blank, place, polarity_rgb, scale_bar
 
 __all__ = [
     "ARROWS",
@@ -61,6 +62,7 @@ def vacuole_section(
     if angle is None:
         angle = float(theta[np.argmax(np.abs(rim))])
     angle = number("angle", angle, -1e6, 1e6, "choose an angle in radians")
+    width = number("width", width, 130.0, 1000.0, "choose a width in millimetres")
     with setting(TYPE):
         figure = blank(width, _BELOW + _SIDE + _ABOVE)
         peak = max(float(np.abs(rim).max()), 1e-300)
@@ -68,9 +70,11 @@ def vacuole_section(
         key = place(figure, _LEFT + _SIDE + 4.0, _BELOW + 6.0, _KEY, _SIDE - 12.0)
         levels = np.linspace(-1.0, 1.0, 512)
         key.imshow(polarity_rgb(levels)[:, None], extent=(0, 1, -peak, peak), origin="lower", aspect="auto")
-        key.set(xticks=[], yticks=[-peak, 0.0, peak], yticklabels=[f"−{peak:.2g}", "0", f"{peak:.2g}"])
+        unit = quantities.unit("speed")
+        end = f"{unit.factor * peak:.3g}" if unit.name else f"{peak:.2g}"
+        key.set(xticks=[], yticks=[-peak, 0.0, peak], yticklabels=[f"−{end}", "0", end])
         key.yaxis.tick_right()
-        key.set_title("$v_z$", pad=5.0, fontsize=10.0)
+        key.set_title(f"$v_z${unit.brackets}", pad=5.0, fontsize=10.0)
         start = _LEFT + _SIDE + 4.0 + _KEY + _GAP
         _diameter(place(figure, start, _BELOW, width - start - _RIGHT, _SIDE), flow, height, angle)
         return figure
@@ -91,7 +95,7 @@ def _map(ax: Any, flow: VacuoleFlow, z: float, angle: float, rim: Array, peak: f
             across,
             up,
             values / peak,
-            cmap=POLARITY,
+            cmap=looks.polarity_map(),
             vmin=-1,
             vmax=1,
             shading="gouraud",
@@ -110,7 +114,8 @@ def _map(ax: Any, flow: VacuoleFlow, z: float, angle: float, rim: Array, peak: f
     edge = 1 + 2.4 * RING
     ax.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal")
     ax.set_axis_off()
-    ax.set_title(f"$z$ = {z:g}", loc="left", fontsize=10.0, pad=2.0)
+    ax.set_title(f"$z$ = {quantities.words(z, 'length', 'g')}", loc="left", fontsize=10.0, pad=2.0)
+    scale_bar(ax, looks.scales(), (-edge, edge, -edge, edge))
 
 
 def _arrows(ax: Any, flow: VacuoleFlow, z: float, peak: float) -> None:
@@ -132,7 +137,9 @@ def _arrows(ax: Any, flow: VacuoleFlow, z: float, peak: float) -> None:
         alpha=0.85,
         zorder=2,
     )
-    ax.set_title(f"arrows: to {fastest:.2g}", loc="right", fontsize=9.0, pad=2.0)
+    ax.set_title(
+        f"arrows: to {quantities.words(fastest, 'speed', '.2g')}", loc="right", fontsize=9.0, pad=2.0
+    )
 
 
 def _diameter(ax: Any, flow: VacuoleFlow, z: float, angle: float) -> None:
@@ -149,7 +156,7 @@ def _diameter(ax: Any, flow: VacuoleFlow, z: float, angle: float) -> None:
     colours = polarity_rgb(v_z[::10] / peak)
     ax.scatter(x[::10], v_z[::10], c=colours, s=14, zorder=3, linewidths=0)
     ax.set(xlim=(-1.02, 1.02), xticks=[-1, -0.5, 0, 0.5, 1])
-    ax.set_xlabel(f"along the diameter at θ = {angle:.2f}", labelpad=2.0)
-    ax.set_ylabel("$v_z$")
+    quantities.name(ax.xaxis, f"along the diameter at θ = {angle:.2f}", "length", labelpad=2.0)
+    quantities.name(ax.yaxis, "$v_z$", "speed")
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(loc="upper left", frameon=False, fontsize=9.0, handlelength=1.6)

@@ -7,6 +7,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from ..model.doors import door
+from ..model.errors import number
 from ..vacuole import uptake
 from ..vacuole.flow import VacuoleFlow
 from .looks import setting
@@ -49,6 +50,7 @@ def vacuole_uptake(
     """
     profile, turn = compared(flow, pitch)
     numbers = peclet_numbers(peclets)
+    width = number("width", width, 60.0, 1000.0, "choose a width in millimetres")
     with setting(TYPE):
         figure = blank(width, _BELOW + _HIGH + _ABOVE)
         ax = place(figure, _LEFT, _BELOW, width - _LEFT - _RIGHT, _HIGH)

@@ -161,7 +161,7 @@ class Fit:
         for name, value in self.estimate.items():
             low, high = self.interval[name]
             known = "not known" if np.isnan(value) else f"{value:<10.4g} {low:.4g} to {high:.4g}"
-            lines.append(f"  {name:8s} {known}{self._physical(name, value)}")
+            lines.append(f"  {name:8s} {known}{self.in_units(name)}")
         lines += [f"  {name:8s} {value:<10.4g} (given)" for name, value in self.fixed.items()]
         if self.identifiable:
             lines.append("stiff to sloppy:")
@@ -169,8 +169,22 @@ class Fit:
         lines += [f"Note: {note}." for note in self.notes]
         return "\n".join([*lines, *([f"Refused: {self.refused}"] if self.refused else [])])
 
-    def _physical(self, name: str, value: float) -> str:
-        """Return a value in physical units, in brackets, where the scales of the cell are known."""
+    def in_units(self, name: str) -> str:
+        """Return an estimate in physical units, in brackets, "" where the scales of the cell are not known.
+
+        Example:
+            >>> import numpy as np
+            >>> import xarray
+            >>> import cyclosis as cy
+            >>> state = cy.stability.cyclosis(cy.Parameters(), n_theta=64)
+            >>> u = np.stack([0 * state.u, state.u])[:, :, None]
+            >>> places = {"theta": state.theta, "z": [0.0]}
+            >>> data = xarray.Dataset({"u": (("component", "theta", "z"), u)}, places)
+            >>> found = cy.fit(data, method="profile", scales=cy.Scales(500.0, 75.0))
+            >>> "Pa s m" in found.in_units("mu"), found.in_units("kappa")
+            (True, '')
+        """
+        value = self.estimate[name]
         if self.scales is None or np.isnan(value):
             return ""
         unit = self.estimate.get("U", self.fixed.get("U", 1.0))

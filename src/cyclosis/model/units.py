@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +63,22 @@ def scales_in(dataset: Any) -> Scales | None:
     return of_table(stored(dataset))
 
 
+def scales_text(scales: Scales) -> str:
+    """Return the scales of a cell in words."""
+    return f"R = {scales.radius_um:g} µm, U = {scales.speed_um_per_s:g} µm/s, R/U = {scales.time_s:.4g} s"
+
+
+def scales_of_measurement(dataset: Any) -> Scales | None:
+    """Return the scales in which the numbers of a measured cell are, None if length or time is not known.
+
+    With them a speed in R/s, for example, becomes one in µm/s.
+    """
+    from .scales import Scales
+
+    radius, speed = (dataset.attrs.get(name) for name in ("radius_um", "speed_unit_um_per_s"))
+    return None if radius is None or speed is None else Scales(float(radius), float(speed))
+
+
 @dataclass(frozen=True)
 class Unit:
     """A unit for a quantity: `factor` takes a dimensionless number to a number of units called `name`."""
@@ -76,6 +94,24 @@ class Unit:
     def brackets(self) -> str:
         """The unit as it follows the name of an axis."""
         return f" ({self.name})" if self.name else ""
+
+
+_CHOSEN: ContextVar[Scales | None] = ContextVar("scales", default=None)
+
+
+@contextmanager
+def shown_in(scales: Scales | None) -> Iterator[None]:
+    """Show results that have no scales of their own in those of a cell, within a `with`."""
+    before = _CHOSEN.set(scales or _CHOSEN.get())
+    try:
+        yield
+    finally:
+        _CHOSEN.reset(before)
+
+
+def chosen_scales() -> Scales | None:
+    """Return the scales that are chosen for such results, None if they are shown without a dimension."""
+    return _CHOSEN.get()
 
 
 PURE = Unit(1.0, "")
@@ -105,6 +141,30 @@ def length_unit(scales: Scales | None, longest: float = 0.0) -> Unit:
 def speed_unit(scales: Scales | None) -> Unit:
     """Return the unit in which speeds are shown: µm/s."""
     return PURE if scales is None else Unit(scales.speed_um_per_s, "µm/s")
+
+
+def rate_unit(scales: Scales | None, largest: float) -> Unit:
+    """Return the unit in which rates up to `largest`, in U/R, are shown: per s, min, h or day."""
+    if scales is None:
+        return PURE
+    fastest = abs(largest) / scales.time_s
+    name = next((name for name, seconds in _SECONDS.items() if fastest * seconds >= 0.1), "d")
+    return Unit(_SECONDS[name] / scales.time_s, f"1/{name}")
+
+
+def wavenumber_unit(scales: Scales | None) -> Unit:
+    """Return the unit in which wavenumbers, in 1/R, are shown: per mm."""
+    return PURE if scales is None else Unit(1e3 / scales.radius_um, "1/mm")
+
+
+UNITS: Mapping[str, Callable[[Scales | None, float], Unit]] = {
+    "time": time_unit,
+    "length": length_unit,
+    "speed": lambda scales, _: speed_unit(scales),
+    "rate": rate_unit,
+    "wavenumber": lambda scales, _: wavenumber_unit(scales),
+}
+"""The units of each kind of quantity: functions of a cell's scales and of the largest number shown."""
 
 
 def length_text(length: float, scales: Scales | None, digits: str = "g") -> str:

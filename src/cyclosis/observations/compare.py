@@ -12,6 +12,8 @@ from ..display.notebook import text_tree
 from ..display.shown import shown
 from ..model.doors import door
 from ..model.errors import InputError, number
+from ..model.scales import Scales
+from ..model.units import length_unit, scales_of_measurement, speed_unit, time_unit
 from .model_field import Array, ModelFlow, model_flow
 from .observation import Observation
 
@@ -76,18 +78,49 @@ class Comparison:
 
         return comparison(self.dataset)
 
+    @property
+    def scales(self) -> Scales | None:
+        """The radius and the speed U of the measured cell, None if the measurement does not tell them.
+
+        Example:
+            >>> import cyclosis as cy
+            >>> params, grid = cy.Parameters(), cy.CylinderGrid(16, 16)
+            >>> run = cy.simulate(params, grid, cy.initial.stripes(grid), t_end=1.0)
+            >>> seen = run.to_dataset().isel(time=[1])[["u"]].assign_attrs(time_unit_s=1.0)
+            >>> seen["u"].attrs["units"] = "s-1"
+            >>> fit = cy.observations.compare(seen, run, radius_um=500.0)
+            >>> round(fit.scales.speed_um_per_s)
+            500
+        """
+        own = scales_of_measurement(self.dataset)
+        return None if own is None else Scales(own.radius_um, self.speed * own.speed_um_per_s)
+
     def __repr__(self) -> str:
+        length, time, speed = self._in_units()
         noise = f"{self.rms:.3g} of the noise, " if np.isfinite(self.rms) else ""
         other = f"the other mirror image leaves {self.other_mirror:.3g} times as much"
         rows = [
             ("rotation", f"{self.rotation:.4f} rad"),
-            ("shift", f"{self.shift:.4f} R"),
+            ("shift", f"{self.shift:.4f} R{length}"),
             ("mirrored", f"{'yes' if self.mirrored else 'no'} ({other})"),
-            ("time", f"{self.time:g} R/U"),
-            ("speed U", f"{self.speed:.5g} {self.dataset.attrs.get('speed_unit', '')}".rstrip()),
+            ("time", f"{self.time:g} R/U{time}"),
+            ("speed U", f"{self.speed:.5g} {self.dataset.attrs.get('speed_unit', '')}".rstrip() + speed),
             ("residual", f"{noise}{self.rms_of_peak:.2%} of the peak (rms)"),
         ]
         return text_tree("Comparison of a measurement with a run", rows)
+
+    def _in_units(self) -> tuple[str, str, str]:
+        """Return the shift, the time and U in physical units, each with " = " before it, or "" if unknown."""
+        scales = self.scales
+        if scales is None:
+            seconds = self.dataset.attrs.get("time_unit_s")
+            late = "" if seconds is None else f" = {self.time * float(seconds) / self.speed:.4g} s"
+            return "", late, ""
+        return (
+            f" = {length_unit(scales, abs(self.shift))(self.shift)}",
+            f" = {time_unit(scales, self.time)(self.time)}",
+            f" = {speed_unit(scales)(1.0)}",
+        )
 
 
 @door
@@ -98,6 +131,8 @@ def compare(
     time: float | None = None,
     speed: float | None = None,
     mirrored: bool | None = None,
+    radius_um: float | None = None,
+    speed_um_s: float | None = None,
 ) -> Comparison:
     """Return the best fit of a run to a measured flow: shift along z, rotation, mirror image, time and speed.
 
@@ -107,8 +142,10 @@ def compare(
     with the run's trigonometric interpolant at the measured points. `time` fixes the run's time of the
     first frame (by default all saved times are tried), `speed` the U of the run in the unit of the measured
     speeds, and `mirrored` one of the mirror images. Several measured frames are compared together, with the
-    run's time passing at the rate that the speed implies. Raises `InputError` for angles without a flow,
-    which have no polarity, for too few values, and for runs without a flow.
+    run's time passing at the rate that the speed implies. `radius_um` is the radius of the cell where the
+    measurement does not know it, and `speed_um_s` the speed U in µm/s instead of `speed`. Raises
+    `InputError` for angles without a flow, which have no polarity, for too few values, for units of which
+    the measurement does not know enough, and for runs without a flow.
 
     Example: half of a cell, turned by one radian.
         >>> import numpy as np
@@ -124,6 +161,9 @@ def compare(
     """
     data = _measured(measured)
     u, sigma, theta, z = _values(data)
+    data = _with_radius(data, radius_um)
+    if speed_um_s is not None:
+        speed = _speed(data, speed, speed_um_s)
     if speed is not None:
         speed = number("speed", speed, 1e-12, 1e12, "give U in the unit of the measured speeds")
     elif data["u"].attrs.get("units", "1") == "1":
@@ -158,6 +198,30 @@ def compare(
         float(others[0]) if others else float("nan"),
         out,
     )
+
+
+def _with_radius(data: Any, radius_um: float | None) -> Any:
+    """Return a measurement that knows the radius of its cell."""
+    if radius_um is None:
+        return data
+    radius = number("radius_um", radius_um, 1e-3, 1e6, "give the radius in µm")
+    known = data.attrs.get("radius_um")
+    if known is not None and abs(radius / float(known) - 1) > 0.02:
+        raise InputError("radius_um", radius, f"that of the measurement, {float(known):.4g}", "leave it out")
+    seconds = data.attrs.get("time_unit_s")
+    unit = {} if seconds is None else {"speed_unit_um_per_s": radius / float(seconds)}
+    return data.assign_attrs(radius_um=radius, **unit)
+
+
+def _speed(data: Any, speed: float | None, speed_um_s: float) -> float:
+    """Return U in the unit of the measured speeds, given in µm/s."""
+    if speed is not None:
+        raise InputError("speed_um_s", speed_um_s, "left out if speed is given", "give one of the two")
+    unit = data.attrs.get("speed_unit_um_per_s")
+    if unit is None:
+        rule = "given for a measurement that knows the radius of its cell and the time between frames"
+        raise InputError("speed_um_s", speed_um_s, rule, "give radius_um too, or speed instead")
+    return number("speed_um_s", speed_um_s, 1e-6, 1e6, "give U in µm/s") / float(unit)
 
 
 def _measured(measured: Any) -> Any:

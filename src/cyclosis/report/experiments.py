@@ -6,6 +6,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..model.units import scales_in, scales_text
+
 if TYPE_CHECKING:
     from ..experiments import Performance
 
@@ -31,9 +33,16 @@ def outcome(done: Performance) -> str:
         f"{done.experiment.name}: {done.verdict.outcome.upper()}",
         *_paragraph("claim", done.experiment.claim),
         *_paragraph("measured", done.verdict.measured),
+        *_units(done),
         f"{'saved':>10}  {done.file}, {done.figure}",
     ]
     return "\n".join(lines)
+
+
+def _units(done: Performance) -> list[str]:
+    """Return the scales of the cell that was chosen, in words."""
+    scales = scales_in(done.dataset)
+    return [] if scales is None else _paragraph("units", scales_text(scales))
 
 
 def summary(done: Sequence[Performance]) -> str:

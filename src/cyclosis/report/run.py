@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..model.units import scales_in, speed_unit, stored, time_unit
+from ..model.units import scales_in, scales_text, speed_unit, stored, time_unit
 from .again import command_of, start_of
 from .facts import at_the_end, regime_of
 from .lines import aligned
@@ -32,7 +32,7 @@ def summary(run: Trajectory) -> str:
         "effort": f"{effort.evaluations} right-hand sides in {effort.accepted} steps",
     }
     if run.scales is not None:
-        lines["time"] = f"{time_unit(run.scales, run.t_final)(run.t_final)} in {_units(run.scales)}"
+        lines["time"] = f"{time_unit(run.scales, run.t_final)(run.t_final)} in {scales_text(run.scales)}"
     if run.protocol:
         lines["protocol"] = _steps_done(run)
     return aligned(lines)
@@ -65,7 +65,7 @@ def tree(dataset: xarray.Dataset, file: Path) -> str:
         "├─ parameters  " + _listed(asked["parameters"]),
         "├─ run         " + _listed(asked["run"]),
         f"├─ initial     {_listed(start_of(asked)) or 'given in Python'}",
-        *([] if scales is None else [f"├─ units       {_units(scales)}"]),
+        *([] if scales is None else [f"├─ units       {scales_text(scales)}"]),
         *_protocol(asked),
         f"├─ effort      {run['evaluations']} right-hand sides, "
         f"{run['accepted']} steps, {run['rejected']} rejected",
@@ -81,11 +81,6 @@ def tree(dataset: xarray.Dataset, file: Path) -> str:
         branch = "└─" if name == names[-1] else "├─"
         lines.append(f"   {branch} {f'{name}({dims})':<32} {variable.attrs.get('long_name', '')}")
     return "\n".join(lines)
-
-
-def _units(scales: Scales) -> str:
-    """Return the scales of a cell in words."""
-    return f"R = {scales.radius_um:g} µm, U = {scales.speed_um_per_s:g} µm/s, R/U = {scales.time_s:.4g} s"
 
 
 def _speed(speed: float, scales: Scales | None) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..model.errors import InputError
+from ..model.units import of_table, time_unit
 from .lines import aligned
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def plan(sweep: Sweep, cost: Estimate) -> str:
         {"sweep": " x ".join([*axes, f"seed {len(sweep.seeds)}"])}
         | steps
         | {
-            "runs": f"{sweep.members}, {follow} to t = {run['t_end']:g}, {run['precision']}",
+            "runs": f"{sweep.members}, {follow} to t = {_time(sweep)}, {run['precision']}",
             "blocks": f"{sweep.blocks} of {sweep.block_size} runs",
             "time": f"{_about(cost)} with {workers(cost.workers)} like this core",
             "of which": f"{duration(cost.start)} until a worker computes, {_first(cost)}",
@@ -44,6 +45,12 @@ def plan(sweep: Sweep, cost: Estimate) -> str:
             "disk": f"{size(cost.disk)} in {sweep.blocks} files",
         }
     )
+
+
+def _time(sweep: Sweep) -> str:
+    """Return the time up to which members are integrated, also in the units of the cell if they are known."""
+    end, scales = float(sweep.tables["run"]["t_end"]), of_table(sweep.tables.get("scales", {}))
+    return f"{end:g}" if scales is None else f"{end:g} = {time_unit(scales, end)(end)}"
 
 
 def _about(cost: Estimate) -> str:

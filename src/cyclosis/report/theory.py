@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..model.units import PURE, Unit, chosen_scales, length_unit, rate_unit, speed_unit, wavenumber_unit
+
 if TYPE_CHECKING:
     from ..stability.dispersion_table import DispersionTable
     from ..stability.existence.boundaries import Limits
@@ -26,12 +28,16 @@ def dispersion(table: DispersionTable) -> str:
     """Return a table of growth rates and frequencies, and how many waves grow."""
     growing = int(np.sum(table.rates[:, 0].real > NEUTRAL))
     verdict = f"{growing} of {table.m.size} listed waves grow" if growing else "none of these waves grows"
+    first = table.rates[:, 0]
+    along, rates = wavenumber_unit(chosen_scales()), rate_unit(chosen_scales(), float(np.abs(first).max()))
     lines = [
-        f"{table.base} (|P| = {table.order:.6g}, cell of length {table.length:g}): {verdict}",
-        "   m   j         q       growth    frequency",
+        f"{table.base} (|P| = {table.order:.6g}, cell of length {_length(table.length)}): {verdict}",
+        f"   m   j         q       growth    frequency{_columns(along, rates, rates)}",
     ]
-    for m, j, q, rate in zip(table.m, table.j, table.q, table.rates[:, 0], strict=True):
-        lines.append(f"{m:4d}{j:4d}{q:10.4f}{rate.real:13.6g}{_clean(-rate.imag):13.6g}")
+    for m, j, q, rate in zip(table.m, table.j, table.q, first, strict=True):
+        growth, turning = rate.real, _clean(-rate.imag)
+        told = "" if along is PURE else _row((along, q), (rates, growth), (rates, turning))
+        lines.append(f"{m:4d}{j:4d}{q:10.4f}{growth:13.6g}{turning:13.6g}{told}")
         if len(lines) == WAVES + 2:
             lines.append(f"   ... {table.m.size - WAVES} more")
             break
@@ -54,8 +60,8 @@ def profile(found: Profile) -> str:
     return _table({
         "state": f"{found.count} equal stripes, steady to {found.residual:.1e} between grid points",
         "largest P": f"{np.abs(P).max():.10g}",
-        "largest u": f"{np.abs(u).max():.10g} U",
-        "rms u": f"{np.sqrt(np.mean(u**2)):.10g} U",
+        "largest u": _speed(np.abs(u).max(), ".10g"),
+        "rms u": _speed(np.sqrt(np.mean(u**2)), ".10g"),
         "power <Fu>": f"{np.mean(np.abs(P) ** found.params.force_exponent * P * u):.10g}",
     })  # fmt: skip
 
@@ -64,26 +70,30 @@ def drifting(found: Drifting) -> str:
     """Return the numbers of tilted stripes that rotate."""
     return _table({
         "state": f"two tilted stripes, steady to {found.residual:.1e} between grid points, seen turning",
-        "drift": f"{found.drift:.8g} U about the axis",
+        "drift": f"{_speed(found.drift, '.8g')} about the axis",
         "mean P_theta": f"{found.P[0].mean():.8g}",
         "largest |P|": f"{np.hypot(*found.P).max():.8g}",
-        "largest |u|": f"{np.hypot(*found.u).max():.8g} U",
+        "largest |u|": _speed(np.hypot(*found.u).max(), ".8g"),
     })  # fmt: skip
 
 
 def spectrum(found: Profile, modes: Modes) -> str:
     """Return the leading eigenvalues, each with the shares of P_theta and P_z in its mode."""
-    kind = f"waves along the cell of q = {modes.wavenumber:.6g}" if modes.wavenumber else "the same all along"
+    along = wavenumber_unit(chosen_scales())
+    wave = f"{modes.wavenumber:.6g}" + ("" if along is PURE else f" = {along(modes.wavenumber)}")
+    kind = f"waves along the cell of q = {wave}" if modes.wavenumber else "the same all along"
+    rates = rate_unit(chosen_scales(), float(np.abs(modes.eigenvalues).max()))
     lines = [
         f"{found.count} stripes, perturbations {kind}",
-        "      Re σ             Im σ       P_theta : P_z",
+        f"      Re σ             Im σ       P_theta : P_z{_columns(rates, rates)}",
     ]
     for value, mode in zip(modes.eigenvalues, modes.modes, strict=True):
         share = np.sum(np.abs(mode) ** 2, axis=1)
         parts = share / share.sum()
         note = "  the rotation" if abs(value) < NEUTRAL else ""
         text = f"{_clean(value.real):15.9g}{_clean(value.imag):15.9g}"
-        lines.append(f"{text}{parts[0]:10.2f} : {parts[1]:.2f}{note}")
+        told = "" if rates is PURE else _row((rates, value.real), (rates, value.imag))
+        lines.append(f"{text}{parts[0]:10.2f} : {parts[1]:.2f}{told}{note}")
     largest = max((v.real for v in modes.eigenvalues if abs(v) > NEUTRAL), default=0.0)
     lines.append("unstable" if largest > NEUTRAL else "all of these decay")
     return "\n".join(lines)
@@ -117,6 +127,27 @@ def regime_map(found: RegimeMap) -> str:
     head = f"stable states over {found.x.size} x {found.y.size} values of {found.x_name} and {found.y_name}"
     rows = sorted(sets.items(), key=lambda item: -item[1])
     return "\n".join([head, *(f"{count:8d}  {text}" for text, count in rows)])
+
+
+def _speed(value: float, digits: str) -> str:
+    """Return a speed in U, and in the units of the cell that was chosen."""
+    unit = speed_unit(chosen_scales())
+    return f"{value:{digits}} U" + ("" if unit is PURE else f" = {unit(value)}")
+
+
+def _length(value: float) -> str:
+    """Return a length in R, and in the units of the cell that was chosen."""
+    unit = length_unit(chosen_scales(), value)
+    return f"{value:g}" + ("" if unit is PURE else f" = {unit(value)}")
+
+
+def _columns(*units: Unit) -> str:
+    """Return the names of columns in these units, "" without any."""
+    return "".join(f"{unit.name:>13}" for unit in units if unit is not PURE)
+
+
+def _row(*values: tuple[Unit, float]) -> str:
+    return "".join(f"{_clean(unit.factor * value):13.5g}" for unit, value in values)
 
 
 def _number(value: float) -> str:

@@ -21,8 +21,12 @@ import xarray
 from ..dataset.guarded import GuardedFile
 from ..dataset.place import in_the_way
 from ..dataset.replaced import put_whole, refuse_existing
+from ..dataset.run_tables import UNITS, factors_of
+from ..dataset.scaled import with_scales
 from ..dataset.whole import unwritable
 from ..model.errors import InputError
+from ..model.scales import Scales
+from ..model.units import of_table
 from .plan.variables import Variable, of_members, of_states
 from .store.block_file import Arrays
 from .store.read import choose, open_sweep
@@ -38,6 +42,8 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
+_UNITS = UNITS | dict.fromkeys(("t_order", "t_final", "at", "over"), "s") | {"length": "um"}
+"""Physical units of columns, as their names end; of the axes of a protocol by their last word."""
 PIECE_BYTES = 2**26
 """Approximate memory of the pieces in which variables are copied."""
 
@@ -47,6 +53,7 @@ def export(
     target: str | os.PathLike[str],
     force: bool = False,
     variables: Iterable[str] | None = None,
+    scales: Scales | None = None,
 ) -> Path:
     """Write the results in a store to one file, and return its path.
 
@@ -55,8 +62,10 @@ def export(
     as their attributes `valid_min` and `comment` say. `.csv` and `.csv.gz` have one row per member: its
     number, its values on the axes, its seed, then its variables. Regime and status are names, missing values
     are empty, all zones share one column, and profiles and fields are left out. `variables` names those to
-    export. The target is written completely or not at all. Raises `InputError` for another suffix, an
-    existing target (unless `force`), damaged blocks, unknown variables, and if it cannot be written.
+    export. With `scales`, by default those in the table [scales] of the sweep, a table has a column in s, µm
+    or µm/s after each one that has such a unit, and other files have the scales as an attribute. The target
+    is written completely or not at all. Raises `InputError` for another suffix, an existing target (unless
+    `force`), damaged blocks, unknown variables, and if it cannot be written.
 
     Example:
         >>> import cyclosis as cy
@@ -77,7 +86,7 @@ def export(
     choose(source.sweep.variables, names)
     try:
         with put_whole(place, force) as beside:
-            writer(source, beside, names)
+            writer(source, beside, names, scales or of_table(source.sweep.tables.get("scales", {})))
     except FileExistsError as error:
         raise in_the_way(place, "a new name") from error
     except OSError as error:
@@ -85,7 +94,7 @@ def export(
     return place
 
 
-def _writer(target: Path) -> Callable[[Store, Path, list[str] | None], None]:
+def _writer(target: Path) -> Callable[[Store, Path, list[str] | None, Scales | None], None]:
     name = target.name.lower()
     packed = partial(_table, packed=True)
     for suffix, writer in ((".zarr", _zarr), (".nc", _netcdf), (".csv", _table), (".csv.gz", packed)):
@@ -95,8 +104,12 @@ def _writer(target: Path) -> Callable[[Store, Path, list[str] | None], None]:
     raise InputError("out", str(target), rule, "change its suffix")
 
 
-def _zarr(store: Store, target: Path, names: list[str] | None) -> None:
-    dataset = open_sweep(store.path, names)
+def _opened(store: Store, names: list[str] | None, scales: Scales | None) -> xarray.Dataset:
+    return with_scales(open_sweep(store.path, names), scales)
+
+
+def _zarr(store: Store, target: Path, names: list[str] | None, scales: Scales | None) -> None:
+    dataset = _opened(store, names, scales)
     name = store.sweep.model.state_name
     if name in dataset:  # read and written piece by piece
         field = dataset[name]
@@ -104,8 +117,8 @@ def _zarr(store: Store, target: Path, names: list[str] | None) -> None:
     dataset.to_zarr(target, mode="w-", zarr_format=2, consolidated=True)
 
 
-def _netcdf(store: Store, target: Path, names: list[str] | None) -> None:
-    dataset = open_sweep(store.path, names)
+def _netcdf(store: Store, target: Path, names: list[str] | None, scales: Scales | None) -> None:
+    dataset = _opened(store, names, scales)
     with GuardedFile(target) as guarded:
         with h5netcdf.File(guarded, "w") as file:
             file.attrs.update(dataset.attrs)
@@ -144,10 +157,12 @@ def _pieces_of(item: Any) -> tuple[int, ...]:
     return tuple(reversed(sizes))
 
 
-def _table(store: Store, target: Path, names: list[str] | None, packed: bool = False) -> None:
+def _table(
+    store: Store, target: Path, names: list[str] | None, scales: Scales | None, packed: bool = False
+) -> None:
     items = [item for item in choose(store.sweep.variables, names) if "theta" not in item.dims]
     with open(target, "wb") as raw, _packer(raw, packed) as sink:
-        for text in _rows(store, items):
+        for text in _rows(store, items, scales):
             sink.write(text.encode())
     with open(target, "rb") as done:
         os.fsync(done.fileno())
@@ -158,7 +173,7 @@ def _packer(raw: IO[bytes], packed: bool) -> AbstractContextManager[IO[bytes]]:
     return cast(Any, gzip.GzipFile("", "wb", 9, raw, mtime=0)) if packed else nullcontext(raw)
 
 
-def _rows(store: Store, items: list[Variable]) -> Iterator[str]:
+def _rows(store: Store, items: list[Variable], scales: Scales | None) -> Iterator[str]:
     """Yield the table's header, then its rows block by block."""
     sweep = store.sweep
     states = of_states(sweep)
@@ -169,9 +184,23 @@ def _rows(store: Store, items: list[Variable]) -> Iterator[str]:
         columns = {name: _texts(place.values) for name, place in of_members(sweep, members).items()}
         for item in items:
             columns |= _columns(item, arrays, states, (len(members), *(sweep.sizes[d] for d in item.dims)))
+        if scales is not None:
+            columns = _in_units(columns, factors_of(scales))
         if index == 0:
             yield ",".join(columns) + "\n"
         yield "".join(",".join(row) + "\n" for row in zip(*columns.values(), strict=True))
+
+
+def _in_units(columns: dict[str, list[str]], factors: dict[str, float]) -> dict[str, list[str]]:
+    """Return the columns with one in seconds, µm or µm/s after each that has such a unit."""
+    out = {}
+    for name, texts in columns.items():
+        out[name] = texts
+        key = name.rpartition(".")[2] if name.startswith("protocol.") else name
+        unit = _UNITS.get(key)
+        if unit is not None:
+            out[f"{name}_{unit}"] = [repr(factors[unit] * float(text)) if text else "" for text in texts]
+    return out
 
 
 def _columns(

@@ -42,14 +42,17 @@ export function traces(hub: Hub): HTMLElement {
       ...charted(name, hub.model.straight, hub.units).map((sentence) => h('p', {}, ...prose(sentence))),
       h('p', { class: 'note' }, say('charts.recorded', { meanings: meanings.join('; ') })),
     ]);
-    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), name === 'peak' && unit, words, ...keys), host);
+    const figure = h('figure', { class: 'chart' }, h('figcaption', {}, h('strong', {}, title), name === 'peak' && unit, words, ...keys, name === 'profile' && whole), host);
     hosts.push([host, chart(host, x, () => (hub.units.scales ? hub.units.time(history.columns[0]!.at(-1) ?? 0).name : ''), curves.map(([quantity]) => quantity), range), data]);
     return figure;
   };
   const unit = h('span', { class: 'unit' });
+  /** What the flow of the profile is counted in. */
+  const whole = h('span', { class: 'unit' });
   const inUnits = (speeds: number[]): number[] => (hub.units.scales ? speeds.map((speed) => hub.units.speed.factor * speed) : speeds);
   const named = (): void => {
     unit.textContent = hub.units.scales ? ` (${hub.units.speed.name})` : '';
+    whole.textContent = hub.units.scales ? ` / ${short(hub.units.speed.factor)} ${hub.units.speed.name}` : '';
   };
   hub.on('units', () => {
     named();

@@ -13,6 +13,8 @@ import type { Defect, Palette } from '../protocol';
 
 const TURN = 2 * Math.PI;
 const MARGIN = { left: 30, right: 12, top: 10, bottom: 34 };
+/** Room beside the name of the length, and the mean width of its letters. */
+const [BESIDE, LETTER] = [14, 7.4];
 /** Room below for a bar of a round length. */
 const BAR = 24;
 /** A long cell is drawn at least this wide, in pixels, even if that widens it. */
@@ -106,7 +108,7 @@ export class UnwrappedMap {
       }
     }
     const k = (this.large = parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);
-    const left = k * (this.units.scales ? 1.8 : 1) * MARGIN.left;
+    const left = k * (this.units.scales ? Math.max(MARGIN.left, BESIDE + LETTER * this.units.reaching(length).length) : MARGIN.left);
     const across = Math.max(20, width - left - k * MARGIN.right);
     const up = Math.max(20, height - k * (MARGIN.top + MARGIN.bottom + (this.units.scales ? BAR : 0)));
     const scale = Math.min(across / TURN, up / length);

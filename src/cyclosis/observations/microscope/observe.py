@@ -14,6 +14,8 @@ import numpy as np
 from ...display.shown import shown
 from ...model.doors import door
 from ...model.errors import InputError, choice, closest
+from ...model.scales import Scales
+from ...model.units import scales_in
 from ..view import View
 from .body import body_of
 from .camera import Camera, framing
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+PIXEL_UM, SPEED_UM_PER_S = 5.0, 100.0
+"""The size of a pixel and the speed U of a run without scales."""
 INSTRUMENTS: dict[str, Callable[..., dict[str, Any]]] = {
     "piv": piv,
     "kymograph": kymograph,
@@ -134,11 +138,11 @@ def observe(
     view: View,
     as_: str = "piv",
     *,
-    pixel_um: float = 5.0,
+    pixel_um: float | None = None,
     frame_s: float = 0.3,
     depth_um: float | None = None,
     noise_px: float = 0.1,
-    speed_um_per_s: float = 100.0,
+    speed_um_per_s: float | None = None,
     size_px: tuple[int, int] | None = None,
     centred: bool = True,
     seed: int = 0,
@@ -158,10 +162,11 @@ def observe(
       `noise_mm_per_s`; on the cylinder only
 
     Times are in R/U. `pixel_um` and `frame_s` set pixels and frames: R is `view.radius_px` pixels, and the
-    speed U is `speed_um_per_s`. Only what lies within `depth_um` below the nearest point is in focus (None:
-    all of the near side). `noise_px` is the standard deviation of every measured displacement or place.
-    With `centred` the centre of the view is chosen so that the whole cell is in the picture. Raises
-    `InputError` for values out of range, for times outside the run, and for options of other instruments.
+    speed U is `speed_um_per_s`. The defaults of both sizes are those of a run with scales, else 5 µm and
+    100 µm/s. Only what lies within `depth_um` below the nearest point is in focus (None: all of the near
+    side). `noise_px` is the standard deviation of every measured displacement or place. With `centred` the
+    centre of the view is chosen so that the whole cell is in the picture. Raises `InputError` for values out
+    of range, for times outside the run, and for options of other instruments.
 
     Example:
         >>> import cyclosis as cy
@@ -184,8 +189,23 @@ def observe(
             raise InputError(name, value, rule, closest(name, known))
     body = body_of(source)
     framed, size = framing(body, view, None if centred else view.centre_px, size_px)
-    camera = Camera(framed, size, pixel_um, frame_s, depth_um, noise_px, speed_um_per_s, seed)
+    pixel, speed = _scaled(source, view, pixel_um, speed_um_per_s)
+    camera = Camera(framed, size, pixel, frame_s, depth_um, noise_px, speed, seed)
     found = instrument(body, camera, **options)
     from .contents import dataset
 
     return Recording(as_, camera, dataset(as_, camera, body.ends, found), dict(options))
+
+
+def _scaled(
+    source: Any, view: View, pixel_um: float | None, speed_um_per_s: float | None
+) -> tuple[float, float]:
+    """Return the size of a pixel and the speed U: those given, those of the run, or usual ones."""
+    held = getattr(source, "scales", None)
+    known = held if isinstance(held, Scales) else scales_in(source) if hasattr(source, "attrs") else None
+    pixel = PIXEL_UM if known is None else known.radius_um / view.radius_px
+    speed = SPEED_UM_PER_S if known is None else known.speed_um_per_s
+    return (
+        pixel if pixel_um is None else pixel_um,
+        speed if speed_um_per_s is None else speed_um_per_s,
+    )

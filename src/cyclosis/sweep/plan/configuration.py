@@ -14,6 +14,7 @@ from ...dynamics.schedule import Schedule
 from ...model.definitions import RUN
 from ...model.errors import InputError, closest, shown
 from ...model.instants import instant
+from ...model.units import of_table
 from ...model.wording import beside
 from . import axes, step_axes, variables
 from .definitions import AXES, MAX_MEMBERS, TABLES
@@ -61,6 +62,8 @@ def completed(given: Mapping[str, Any], files: bool = True) -> Tables:
     }
     if model is not models.polar:
         out["model"] = {"kind": model.name, **model.options}
+    if of_table(tables["scales"]) is not None:
+        out["scales"] = tables["scales"]
     if protocol:
         varied = any(map(step_axes.is_step_axis, swept))
         # As they are written where they are swept: their order in time, and so their seeds, may vary.

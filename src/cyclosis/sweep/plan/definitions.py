@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...model.definitions import GRID, INITIAL, MODEL, PARAMETERS, SURFACE, Definition, definition
+from ...model.definitions import GRID, INITIAL, MODEL, PARAMETERS, SCALES, SURFACE, Definition, definition
 
 MAX_MEMBERS = 10**9
 """Largest number of members of one sweep."""
@@ -99,6 +99,7 @@ TABLES = {
     "ensemble": ENSEMBLE,
     "run": RUN,
     "record": RECORD,
+    "scales": SCALES,
 }
 """The tables of a sweep, except [axes], whose keys are those of `AXES`, each a table of `AXIS`."""
 

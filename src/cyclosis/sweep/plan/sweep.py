@@ -262,7 +262,7 @@ class Sweep:
     def digest(self) -> str:
         """SHA-256 of everything that determines results and blocks, as canonical JSON."""
         start = {key: value for key, value in self.tables["initial"].items() if key not in UNDECISIVE}
-        decisive = self.tables | {
+        decisive = {key: table for key, table in self.tables.items() if key != "scales"} | {
             "initial": start,
             "axes": [[name, list(values)] for name, values in self.axes.items()],
             "record": {"quantities": list(self.record), "fields": self.fields},

@@ -108,6 +108,7 @@ def _attributes(store: Store, present: list[int]) -> dict[str, Any]:
         "source": sweep.model.source,
         "configuration": json.dumps(store.about["configuration"]),
         "digest": store.digest,
+        **({"scales": json.dumps(scales, sort_keys=True)} if (scales := sweep.tables.get("scales")) else {}),
         "versions": json.dumps(store.about["versions"]),
         "created": store.about["created"],
         "members_computed": computed,
