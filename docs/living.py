@@ -16,6 +16,8 @@ from cyclosis.explorer.preset import UP, align
 from cyclosis.explorer.server import PAGE
 
 FOLDER = "explorer"
+SERVER = "http://127.0.0.1:8765/#"
+"""What the address of a cell begins with where `cyclosis explore` runs."""
 SEED, STRIPES = {"seed": 0}, {"kind": "stripes", "filaments_per_square": 4000.0, "seed": 1}
 BESIDE = align(0.0, UP, 0.9, 3.1416, 3.9)
 """Filaments beside one of the zones, aligned with those across it: unequal stripes."""
@@ -125,6 +127,16 @@ class LivingCell(Directive):
         return [raw[0], *node.children, raw[1]]
 
 
+def lead_here(app, doctree, document):
+    """Have links to cells of a running explorer lead to the page in the site, where there is one."""
+    if app.builder.format != "html" or not built():
+        return
+    up = "../" * document.count("/")
+    for link in doctree.findall(nodes.reference):
+        if link.get("refuri", "").startswith(SERVER):
+            link["refuri"] = f"{up}{FOLDER}/index.html#{link['refuri'].removeprefix(SERVER)}"
+
+
 def _add_page(app, failure):
     """Write the explorer's page into the site."""
     if failure or app.builder.format != "html" or not built():
@@ -138,4 +150,5 @@ def add_to(app):
     """Have Sphinx know the directives, and the page written at the end."""
     app.add_directive("try-it", TryIt)
     app.add_directive("living-cell", LivingCell)
+    app.connect("doctree-resolved", lead_here)
     app.connect("build-finished", _add_page)
