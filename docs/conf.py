@@ -25,10 +25,13 @@ html_title = "cyclosis"
 html_copy_source = False
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
 highlight_language = "none"
 
 myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath", "html_image"]
 myst_heading_anchors = 4
+# A formula that is wider than the page is broken: this needs MathJax 4. An older one lets it scroll.
+mathjax3_config = {"output": {"displayOverflow": "linebreak"}}
 
 # Every page with cells is run again, in a separate folder, with the commands of this environment.
 nb_execution_mode = "force"
@@ -51,15 +54,29 @@ default_role = "py:obj"
 
 
 def widen(app, doctree, name):
-    """Mark the cells of tables that hold a sentence, which static/site.css keeps wide enough to read."""
+    """Mark the cells of tables by the length of their text, for which static/site.css leaves room."""
     for cell in doctree.findall(nodes.entry):
-        if len(cell.astext()) > 48:
-            cell["classes"].append("sentence")
+        length = len(cell.astext())
+        for least, mark in ((49, "sentence"), (22, "phrase"), (13, None), (0, "short")):
+            if length >= least:
+                cell["classes"] += [mark] if mark else []
+                break
+
+
+def name_pictures(app, doctree, name):
+    """Name pictures that code has drawn by the heading above them, for those who do not see them."""
+    for picture in doctree.findall(nodes.image):
+        if not picture.get("alt"):
+            section = picture.parent
+            while section and not isinstance(section, nodes.section):
+                section = section.parent
+            picture["alt"] = f"Drawn by the code: {section[0].astext()}" if section else "Drawn by the code"
 
 
 def setup(app):
     """Have docstrings, signatures and pages passed through the functions above."""
     app.connect("doctree-resolved", widen)
+    app.connect("doctree-resolved", name_pictures)
     app.connect("autodoc-skip-member", docstrings.foreign)
     app.connect("autodoc-process-docstring", docstrings.as_rst)
     app.connect("autodoc-process-signature", docstrings.in_short)

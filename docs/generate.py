@@ -465,9 +465,10 @@ REFERENCE: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
 def worksheet() -> str:
     """Return the page of questions for a class."""
     out = NOTE + "# A worksheet for a class\n\nTen questions to the [explorer](explorer.md), each with a "
-    out += "cell to try it on. Start `cyclosis explore` first: the\nlinks open the cells there. At another "
-    out += "address, put what follows `#` behind it. The page itself has the questions\nunder *Worksheet*, "
-    out += "also in German. A test tries each question, and checks what is seen.\n"
+    out += "cell to try it on. On the site of this\ndocumentation the links open the cells in the browser. "
+    out += "Elsewhere start `cyclosis explore` first: the links lead there. At another\naddress, put what "
+    out += "follows `#` behind it. The explorer itself has the questions under *Worksheet*, also in German. "
+    out += "A test\ntries each question, and checks what is seen.\n"
     for k, item in enumerate(described(), 1):
         address = f"http://127.0.0.1:8765/#{item['link']}"
         out += f"\n## {k}. {item['question']}\n\n{item['attempt']} [Open the cell]({address}).\n\n"

@@ -16,6 +16,8 @@ from cyclosis.explorer.preset import UP, align
 from cyclosis.explorer.server import PAGE
 
 FOLDER = "explorer"
+SERVER = "http://127.0.0.1:8765/#"
+"""What the address of a cell begins with where `cyclosis explore` runs."""
 SEED, STRIPES = {"seed": 0}, {"kind": "stripes", "filaments_per_square": 4000.0, "seed": 1}
 BESIDE = align(0.0, UP, 0.9, 3.1416, 3.9)
 """Filaments beside one of the zones, aligned with those across it: unequal stripes."""
@@ -54,6 +56,19 @@ CLOSED = {"ends"}
 FRONT = _cell(SEED, (48, 48))
 """The cell of the front page."""
 
+FROM_DISK = (
+    "This is a recording: browsers show the living cell only from a web server. Run "
+    '<code class="literal">python -m http.server</code> in the folder of this page, and open '
+    '<a href="http://127.0.0.1:8000">127.0.0.1:8000</a>.'
+)
+"""What is said below the picture where the site is opened from the disk."""
+SHOW = """(() => {
+  const place = document.getElementById('living-cell');
+  if (location.protocol === 'file:') place.querySelector('.from-disk').hidden = false;
+  else place.replaceChildren(place.querySelector('template').content);
+})();"""
+"""The script that puts the frame of the cell in place of the picture."""
+
 
 def built():
     """Say whether the site has the explorer's page."""
@@ -87,23 +102,39 @@ class TryIt(Directive):
 
 
 class LivingCell(Directive):
-    """A small living cell; its content, a picture, takes its place where the site has no explorer."""
+    """A small living cell; its content, a picture, takes its place where no browser can show the cell.
+
+    That is where the site has no explorer, where there is no JavaScript, and where the site is opened from
+    the disk, from which browsers load no workers: there a sentence says how to see the cell.
+    """
 
     has_content = True
 
     def run(self):
-        """Return the frame of the cell, or the content."""
+        """Return the content, and the frame of the cell, by which a script replaces it."""
+        node = nodes.container()
+        self.state.nested_parse(self.content, self.content_offset, node)
         if not built():
-            node = nodes.container()
-            self.state.nested_parse(self.content, self.content_offset, node)
             return node.children
         document = self.state.document.settings.env.docname
         frame = (
             '<iframe class="living-cell" loading="lazy" title="A living cell: disordered filaments become two'
-            f' opposite streams" src="{html.escape(address(document, FRONT, embedded=True))}" '
-            'style="width: 100%; height: 22rem; border: 0; border-radius: 8px"></iframe>'
+            f' opposite streams" src="{html.escape(address(document, FRONT, embedded=True))}"></iframe>'
         )
-        return [nodes.raw("", frame, format="html")]
+        before = f'<div id="living-cell"><template>{frame}</template>'
+        after = f'<p class="from-disk" hidden>{FROM_DISK}</p></div>\n<script>{SHOW}</script>'
+        raw = [nodes.raw("", text, format="html") for text in (before, after)]
+        return [raw[0], *node.children, raw[1]]
+
+
+def lead_here(app, doctree, document):
+    """Have links to cells of a running explorer lead to the page in the site, where there is one."""
+    if app.builder.format != "html" or not built():
+        return
+    up = "../" * document.count("/")
+    for link in doctree.findall(nodes.reference):
+        if link.get("refuri", "").startswith(SERVER):
+            link["refuri"] = f"{up}{FOLDER}/index.html#{link['refuri'].removeprefix(SERVER)}"
 
 
 def _add_page(app, failure):
@@ -119,4 +150,5 @@ def add_to(app):
     """Have Sphinx know the directives, and the page written at the end."""
     app.add_directive("try-it", TryIt)
     app.add_directive("living-cell", LivingCell)
+    app.connect("doctree-resolved", lead_here)
     app.connect("build-finished", _add_page)

@@ -42,13 +42,17 @@ def test_a_site_has_the_page_or_says_how_to_see_cells(tmp_path, monkeypatch, bui
     source, site = tmp_path / "source", tmp_path / "site"
     source.mkdir()
     (source / "index.rst").write_text(
-        "Cells\n=====\n\n.. living-cell::\n\n   In place of it.\n\n.. try-it:: wound\n"
+        "Cells\n=====\n\n.. living-cell::\n\n   In place of it.\n\n.. try-it:: wound\n\n"
+        "`Open the cell <http://127.0.0.1:8765/#eNod>`_\n"
     )
     (source / "conf.py").write_text("import living\n\n\ndef setup(app):\n    living.add_to(app)\n")
     app = application.Sphinx(source, source, site, tmp_path / "trees", "html", status=None, freshenv=True)
     app.build()
     text = (site / "index.html").read_text()
     assert ("<iframe" in text, 'class="try-it"' in text) == (built, built)
+    there = "explorer/index.html#eNod" if built else "http://127.0.0.1:8765/#eNod"
+    assert f'href="{there}"' in text
     words = re.sub("<[^>]+>", "", text)
-    assert ("In place of it." in words, "cyclosis explore" in words) == (not built, not built)
+    assert "In place of it." in words  # where there is a page, until a script replaces it
+    assert ("cyclosis explore" in words, "python -m http.server" in words) == (not built, built)
     assert (site / "explorer" / "api" / "engine").is_file() == built

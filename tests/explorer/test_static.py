@@ -151,6 +151,16 @@ def test_a_cell_lives_without_a_server(browser, root, size):
 
 @pytest.mark.slow
 @pytest.mark.browser
+def test_opened_from_the_disk_it_says_how_to_serve_it(browser, root):
+    page = browser.new_page()
+    page.goto((root / "some" / "path" / "index.html").as_uri())
+    assert "python -m http.server" in page.inner_text("body")
+    assert "Opening" not in page.inner_text("body")
+    page.close()
+
+
+@pytest.mark.slow
+@pytest.mark.browser
 def test_it_lives_without_a_network_and_a_new_release_replaces_it(browser, root, tmp_path):
     site = tmp_path / "site"
     shutil.copytree(root, site)

@@ -1,5 +1,7 @@
 """Single panels, comparisons, and what saved pictures say of the run that they show."""
 
+import io
+
 import numpy as np
 import PIL.Image
 import pytest
@@ -148,6 +150,9 @@ def test_a_run_draws_itself(run, tmp_path):
     path = style.save(figure, tmp_path / "cell.png")
     assert "configuration_sha256" in PIL.Image.open(path).text["Description"]
     assert "run.plot.snapshot(time)" in repr(run.plot)
+    shown = PIL.Image.open(io.BytesIO(figure._repr_png_()))  # what a notebook asks for
+    assert shown.width == round(60.0 / 25.4 * style.ON_SCREEN)
+    assert shown.text["Description"] == PIL.Image.open(path).text["Description"]
     mark = run.to_dataset().attrs["configuration_sha256"]
     for name in ("cell.gif", "cell.mp4"):
         (path,) = run.plot.movie(tmp_path / name, frames=2, seconds=0.5, height=180, workers=1)

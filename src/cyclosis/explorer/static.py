@@ -5,6 +5,7 @@ A browser keeps the files of one release for times without a network (`web/publi
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import json
 import shutil
@@ -16,14 +17,22 @@ from .about import about
 from .catalogue import whole
 from .server import MISSING, PAGE
 
-POLICY = (
-    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
-    "object-src 'none'; base-uri 'none'; form-action 'none'"
+_OPENED_AS_A_FILE = (
+    "if (location.protocol === 'file:') document.addEventListener('DOMContentLoaded', () => { "
+    "document.querySelector('#app').textContent = 'A browser opens a living cell only from a web server: "
+    "run python -m http.server in this folder, then open 127.0.0.1:8000 in the browser.'; });"
 )
-"""What the page may load: only files of its own folder."""
+"""A script for a page that is opened from the disk, where browsers load no others."""
+_DIGEST = base64.b64encode(hashlib.sha256(_OPENED_AS_A_FILE.encode()).digest()).decode()
+POLICY = (
+    f"default-src 'self'; script-src 'self' 'sha256-{_DIGEST}'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; form-action 'none'"
+)
+"""What the page may load: only files of its own folder, and the script above."""
 _HEAD = f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}" />
     <meta name="referrer" content="no-referrer" />
     <meta name="cyclosis-engine" content="browser" />
+    <script>{_OPENED_AS_A_FILE}</script>
     """
 
 

@@ -78,6 +78,8 @@ WIDTH = 180.0
 """Width of a two-column figure in millimetres."""
 DPI = 300
 """Dots per inch of saved bitmaps."""
+ON_SCREEN = 144
+"""Dots per inch of a figure that a notebook shows."""
 
 # STIX comes with matplotlib, so the figures look the same on every machine.
 WIDE = 120.0
@@ -161,9 +163,20 @@ def mathtext(symbol: str) -> str:
     return "$" + re.sub(pattern, lambda found: _MATHTEXT[found.group()], symbol) + "$"
 
 
+class _Shown(Figure):
+    """A figure that a notebook shows also where pyplot, which tells notebooks of figures, is not in use."""
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture, as notebooks ask for it."""
+        file = io.BytesIO()
+        with setting(TYPE):
+            self.savefig(file, format="png", dpi=ON_SCREEN, metadata=_metadata(self, "png"))
+        return file.getvalue()
+
+
 def blank(width: float, height: float) -> Figure:
     """Return an empty figure of `width` times `height` millimetres, independent of global state."""
-    return Figure(figsize=(width / 25.4, height / 25.4), facecolor="white")
+    return _Shown(figsize=(width / 25.4, height / 25.4), facecolor="white")
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Any:
