@@ -8,7 +8,7 @@ import pytest
 
 import cyclosis as cy
 from cyclosis.dataset import with_scales
-from cyclosis.figures import looks, style
+from cyclosis.figures import looks, paper, style
 from cyclosis.figures.compare import compare
 from cyclosis.figures.snapshot import snapshot
 from measure.commandline import said
@@ -151,7 +151,7 @@ def test_a_run_draws_itself(run, tmp_path):
     assert "configuration_sha256" in PIL.Image.open(path).text["Description"]
     assert "run.plot.snapshot(time)" in repr(run.plot)
     shown = PIL.Image.open(io.BytesIO(figure._repr_png_()))  # what a notebook asks for
-    assert shown.width == round(60.0 / 25.4 * style.ON_SCREEN)
+    assert shown.width == round(60.0 / 25.4 * paper.DPI)
     assert shown.text["Description"] == PIL.Image.open(path).text["Description"]
     mark = run.to_dataset().attrs["configuration_sha256"]
     for name in ("cell.gif", "cell.mp4"):

@@ -22,7 +22,7 @@ from ..model.grid import Array
 from ..model.scales import Scales
 from ..model.units import round_length
 from ..version import __version__
-from . import looks
+from . import looks, paper
 from .looks import setting
 
 __all__ = [
@@ -78,8 +78,6 @@ WIDTH = 180.0
 """Width of a two-column figure in millimetres."""
 DPI = 300
 """Dots per inch of saved bitmaps."""
-ON_SCREEN = 144
-"""Dots per inch of a figure that a notebook shows."""
 
 # STIX comes with matplotlib, so the figures look the same on every machine.
 WIDE = 120.0
@@ -163,20 +161,9 @@ def mathtext(symbol: str) -> str:
     return "$" + re.sub(pattern, lambda found: _MATHTEXT[found.group()], symbol) + "$"
 
 
-class _Shown(Figure):
-    """A figure that a notebook shows also where pyplot, which tells notebooks of figures, is not in use."""
-
-    def _repr_png_(self) -> bytes:
-        """Return the picture, as notebooks ask for it."""
-        file = io.BytesIO()
-        with setting(TYPE):
-            self.savefig(file, format="png", dpi=ON_SCREEN, metadata=_metadata(self, "png"))
-        return file.getvalue()
-
-
 def blank(width: float, height: float) -> Figure:
     """Return an empty figure of `width` times `height` millimetres, independent of global state."""
-    return _Shown(figsize=(width / 25.4, height / 25.4), facecolor="white")
+    return paper.Figure(figsize=(width / 25.4, height / 25.4), facecolor="white")
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Any:
@@ -265,7 +252,7 @@ def _mark(source: Any) -> str:
     return "; ".join(f"{name} {source.attrs[name]}" for name in names if name in source.attrs)
 
 
-def _metadata(figure: Figure, kind: str) -> dict[str, Any]:
+def metadata(figure: Figure, kind: str) -> dict[str, Any]:
     """Return what a saved figure says of its origin, in the words that its format has."""
     maker, about = f"cyclosis {__version__}", str(figure.get_label())
     if kind == "png":
@@ -303,7 +290,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     drawn = io.BytesIO()
     try:
         with setting(TYPE):
-            figure.savefig(drawn, dpi=DPI, format=kind[1:], metadata=_metadata(figure, kind[1:]))
+            figure.savefig(drawn, dpi=DPI, format=kind[1:], metadata=metadata(figure, kind[1:]))
         with whole(target) as new:
             new.write_bytes(drawn.getvalue())
     except OSError as error:
