@@ -1,10 +1,13 @@
-"""The same model in other codes: agreement, cost at equal error, throughput of many members.
+"""The same model in other codes: agreement, cost at equal error and by grids, throughput of many members.
 
-    python benchmarks/peers/compare.py [--quick] [--stages agreement cost ensemble] [--lengths "2 pi" 5]
+    python benchmarks/peers/compare.py [--quick] [--stages agreement cost ensemble grids members]
+                                       [--lengths "2 pi" 5] [--times 10 100] [--sizes 64 128 256 512 1024]
 
 Every code that is installed takes part; the others are named, with how to install them. Writes
 docs/data/peers.json, from which docs/generate.py makes docs/peers.md; --quick computes less, to see that
-all works, and writes nothing. `--stages` and `--lengths` renew parts of the data and keep the others.
+all works, and writes nothing. The other options renew parts of the data and keep the rest: lengths and
+times of `cost`, sizes of `grids`, whose smallest gives `members` its settings. Each size is written when it
+is done.
 """
 
 from __future__ import annotations
@@ -15,15 +18,28 @@ import json
 import os
 import platform
 import sys
-import time
 from pathlib import Path
 
-from case import CODES, LENGTHS, NOISE_GRID, PARAMS, SIZES, TIMES, TOLERANCE, Code, error, reference
+from case import (
+    CODES,
+    GRID_RUNS,
+    LENGTHS,
+    NOISE_GRID,
+    PARAMS,
+    SIZES,
+    TIMES,
+    TOLERANCE,
+    Code,
+    error,
+    reference,
+)
+from grids import grids, on_grids
+from members import TAKE_PART, members
 from scan import cheapest, convergence, differences
 from worker import Worker
 
 DATA = Path(__file__).parents[2] / "docs" / "data" / "peers.json"
-STAGES = ("agreement", "cost", "ensemble")
+STAGES = ("agreement", "cost", "ensemble", "grids", "members")
 FINALISTS = 3
 """Settings of each code that are timed again."""
 SOON, SOON_DT = 5.0, 0.0025
@@ -49,10 +65,9 @@ def agreement(codes: dict[str, Code], workers: dict[str, Worker], quick: bool) -
     return {"t": SOON, "length": "2 pi", "n": n, "dt": SOON_DT, "codes": found}
 
 
-def cost(codes: dict[str, Code], workers: dict[str, Worker], lengths: list[str], quick: bool) -> dict:
+def cost(codes: dict[str, Code], workers: dict[str, Worker], lengths, times, quick: bool) -> dict:
     """Return the cheapest accurate setting of each code, timed in turns, and all that was tried."""
-    found = {}
-    times, rounds = (TIMES[:1], 1) if quick else (TIMES, 5)
+    found, rounds = {}, 1 if quick else 5
     for label in lengths:
         length = LENGTHS[label]
         fine = reference(length, times, 96, 0.05) if quick else reference(length)
@@ -118,12 +133,9 @@ def ensemble(codes: dict[str, Code], cases: dict, quick: bool) -> dict:
                 for worker in crew:
                     worker.answer()
             each = max(1, min(64, round(4 / item["seconds"])))
-            began = time.perf_counter()
             for core, worker in enumerate(crew):
                 worker.ask(*setting, kind="ensemble", seeds=range(core * each, (core + 1) * each))
-            for worker in crew:
-                worker.answer()
-            rate = cores * each * t_end / (time.perf_counter() - began)
+            rate = cores * each * t_end / max(worker.answer()[2] for worker in crew)
             kept = found.setdefault(name, {**item, "members": cores * each, "rates": []})
             kept["rates"].append(rate)
             print(f"{name}: {cores * each} members, {rate:.1f} members x time a second", flush=True)
@@ -152,7 +164,7 @@ def about(codes: dict[str, Code]) -> dict:
         "cores": os.cpu_count(),
         "python": sys.version.split()[0],
         "versions": versions,
-        "install": {name: code.install for name, code in CODES.items() if name != "cyclosis"},
+        "seconds": "of the processor",
         "parameters": dict(PARAMS.items()),
         "seed": 0,
         "noise_grid": NOISE_GRID,
@@ -160,28 +172,56 @@ def about(codes: dict[str, Code]) -> dict:
     }
 
 
+def how_to_install() -> dict[str, str]:
+    """Return for every other code the commands that install it."""
+    return {name: code.install for name, code in CODES.items() if name != "cyclosis"}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--stages", nargs="+", choices=STAGES, default=STAGES)
     parser.add_argument("--lengths", nargs="+", choices=LENGTHS, default=list(LENGTHS))
+    parser.add_argument("--times", nargs="+", type=float, choices=TIMES, default=list(TIMES))
+    parser.add_argument("--sizes", nargs="+", type=int, choices=GRID_RUNS, default=list(GRID_RUNS))
     asked = parser.parse_args()
-    codes, lengths = installed(), ["2 pi"] if asked.quick else asked.lengths
-    partly = set(asked.stages) != set(STAGES) or lengths != list(LENGTHS)
-    data = json.loads(DATA.read_text()) if partly and not asked.quick and DATA.exists() else {}
-    data["about"] = about(codes)
+    codes, lengths, times, sizes = installed(), asked.lengths, sorted(asked.times), sorted(asked.sizes)
+    if asked.quick:
+        lengths, times, sizes = ["2 pi"], list(TIMES[:1]), list(GRID_RUNS)[:1]
+    partly = set(asked.stages) != set(STAGES) or lengths != list(LENGTHS) or times != list(TIMES)
+    partly = partly or sizes != list(GRID_RUNS)
+    data = json.loads(DATA.read_text()) if partly and DATA.exists() else {}
+    if {"cost", "ensemble"} & set(asked.stages) or not data:
+        data["about"] = about(codes)
+    data["about"]["install"] = how_to_install()
     workers = {name: Worker(name) for name in codes}
     if "agreement" in asked.stages:
         data["agreement"] = agreement(codes, workers, asked.quick)
     if "cost" in asked.stages:
-        data["cost"] = data.get("cost", {}) | cost(codes, workers, lengths, asked.quick)
+        data["cost"] = data.get("cost", {}) | cost(codes, workers, lengths, times, asked.quick)
+        write(data, asked.quick)
+    if "grids" in asked.stages:
+        known = data.get("grids", {}).get("sizes", {})
+        for _, found in grids(codes, workers, sizes, known, asked.quick):
+            data["grids"] = {"about": about(on_grids(codes)), "sizes": found}
+            write(data, asked.quick)
+    if "members" in asked.stages:
+        size = min(data["grids"]["sizes"].values(), key=lambda size: size["n"])
+        crew = {name: code for name, code in codes.items() if name in TAKE_PART}
+        data["members"] = {"about": about(crew)} | members(crew, workers, size, asked.quick)
     for worker in workers.values():
         worker.close()
     if "ensemble" in asked.stages:
         data["ensemble"] = ensemble(codes, data["cost"], asked.quick)
-    if not asked.quick:
-        DATA.write_text(json.dumps(finite(data), indent=1) + "\n")
+    if write(data, asked.quick):
         print(f"wrote {DATA}; python docs/generate.py makes the page")
+
+
+def write(data: dict, quick: bool) -> bool:
+    """Write the data unless all was quick, and say whether it was written."""
+    if not quick:
+        DATA.write_text(json.dumps(finite(data), indent=1) + "\n")
+    return not quick
 
 
 def finite(item):

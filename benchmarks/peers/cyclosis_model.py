@@ -9,7 +9,7 @@ from cyclosis.ensemble import EnsembleSettings, Member, follow
 def prepare(params, n, length, step, stepper="adaptive"):
     """Return a function that takes a state P to time t; `step` is `rtol`, or `dt` of a fixed stepper."""
     grid = cy.CylinderGrid(n_theta=n, n_z=n, length=length)
-    how = {"rtol": step} if stepper == "adaptive" else {"stepper": stepper, "dt": step}
+    how = {"stepper": stepper, "dt" if stepper == "etdrk4" else "rtol": step}
 
     def advance(state, t_end):
         return cy.simulate(params, grid, state, t_end=t_end, save_at=[t_end], **how).final_state

@@ -58,13 +58,18 @@ class Filaments(ex.BaseStepper):
         return Rate(self.params, self.num_points, derivative)
 
 
-def prepare(params, n, length, dt):
-    """Return a function that takes a state P to time t in steps of `dt`."""
+def stepped(params, n, length, dt):
+    """Return a traceable function that takes the modes of P some steps of `dt` on."""
     if not np.isclose(length, 2 * np.pi):
         raise ValueError("Exponax knows square domains only: the length must be 2 pi")
     names = ("epsilon", "alpha_p", "alpha_u", "kappa", "mu", "d_s", "d_r")
     stepper = Filaments({name: getattr(params, name) for name in names}, n, dt)
-    run = jax.jit(lambda P, steps: jax.lax.fori_loop(0, steps, lambda _, x: stepper.step_fourier(x), P))
+    return lambda P, steps: jax.lax.fori_loop(0, steps, lambda _, x: stepper.step_fourier(x), P)
+
+
+def prepare(params, n, length, dt):
+    """Return a function that takes a state P to time t in steps of `dt`."""
+    run = jax.jit(stepped(params, n, length, dt))
 
     def advance(state, t_end):
         spectrum = run(ex.fft(jnp.asarray(state)), round(t_end / dt))

@@ -5,15 +5,33 @@ from __future__ import annotations
 import ast
 import json
 import math
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from statistics import median
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 DATA = ROOT / "docs" / "data" / "peers.json"
-MODELS = {"dedalus": "dedalus_model.py", "exponax": "exponax_model.py", "py-pde": "pypde_model.py"}
-TITLES = {"cyclosis": "cyclosis", "dedalus": "Dedalus", "exponax": "Exponax", "py-pde": "py-pde"}
-
-
+TITLES = {
+    "cyclosis": "cyclosis",
+    "numba": "Numba + FFTW",
+    "dedalus": "Dedalus",
+    "exponax": "Exponax",
+    "py-pde": "py-pde",
+}
+MODELS = {
+    "numba": "numba_model.py",
+    "dedalus": "dedalus_model.py",
+    "exponax": "exponax_model.py",
+    "py-pde": "pypde_model.py",
+}
+TOLERANT = ("adaptive", "multistep")
+"""Variants that choose their steps by a tolerance."""
+BY_HAND = (
+    "The program in Numba and FFTW was compared later, on another machine: see\n"
+    "[larger grids](#larger-grids) and [a thousand members](#a-thousand-members).\n"
+)
+"""What the page says while the first table is without it."""
 LEVEL = 1.1
 """Ratios below it are within what a busy machine may change."""
 
@@ -35,6 +53,7 @@ def page() -> str:
         processor=about["processor"],
         python=about["python"],
         date=about["date"],
+        seconds=about.get("seconds", "on the clock"),
         turns=len(cases[0]["best"]["cyclosis"]["timings"]),
         versions=", ".join(f"{TITLES[name]} {number}" for name, number in about["versions"].items()),
         installing="\n".join(f"* {TITLES[name]}: `{how}`" for name, how in about["install"].items()),
@@ -47,6 +66,21 @@ def page() -> str:
         agreement_length=data["agreement"]["length"],
         agreement_n=data["agreement"]["n"],
         agreement_dt=data["agreement"]["dt"],
+        right_hand_sides=_grids(data, right_hand_sides, "cyclosis, ms", 1e3),
+        runs=_grids(data, runs, "cyclosis, s per R/U", 1.0),
+        grid_settings=_grid_settings(data["grids"]["sizes"]),
+        grids_behind=_grids_behind(data),
+        grids_measured=_measured(data["grids"]["about"]),
+        by_hand="" if "numba" in ratios(data) else BY_HAND,
+        grids_t=_final_times(data["grids"]["sizes"]),
+        multistep=_times(multistep_beside_adaptive(data)),
+        members=_members(data["members"]),
+        members_errors=f"{max(max(way['errors']) for way in data['members']['ways'].values()):.1e}",
+        members_count=data["members"]["members"],
+        members_t=f"{data['members']['t']:g}",
+        members_length=data["members"]["length"],
+        members_turns=len(data["members"]["ways"]["cyclosis"]["timings"]),
+        members_measured=_measured(data["members"]["about"]),
     )  # fmt: skip
 
 
@@ -69,6 +103,36 @@ def throughput(data: dict) -> dict[str, float]:
     """Return for every code how many times its throughput of members ours is."""
     rates = {name: max(item["rates"]) for name, item in data["ensemble"]["codes"].items()}
     return {name: rates["cyclosis"] / rate for name, rate in rates.items()}
+
+
+def right_hand_sides(size: dict, name: str) -> list[float]:
+    """Return the seconds of a right-hand side of a code on one grid, turn by turn."""
+    return size["codes"].get(name, {}).get("seconds a right-hand side", [])
+
+
+def runs(size: dict, name: str) -> list[float]:
+    """Return the seconds per unit of time of a code's cheapest setting on one grid, turn by turn."""
+    found = size["codes"].get(name, {}).get("runs", [])
+    return [seconds / size["t"] for seconds in cheapest(found)["timings"]] if found else []
+
+
+def cheapest(found: list[dict]) -> dict:
+    """Return the setting whose median is least."""
+    return min(found, key=lambda one: median(one["timings"]))
+
+
+def grid_ratios(data: dict, measure: Callable[[dict, str], list[float]]) -> dict[str, dict[int, float]]:
+    """Return for every code and grid how many times as long as ours it takes: the median over turns."""
+    found: dict[str, dict[int, float]] = {}
+    for size in data["grids"]["sizes"].values():
+        ours = measure(size, "cyclosis")
+        for name in size["codes"]:
+            theirs = measure(size, name)
+            if theirs:  # a long run is made in the first turn only, and compared with ours of that turn
+                found.setdefault(name, {})[size["n"]] = median(
+                    a / b for a, b in zip(theirs, ours, strict=False)
+                )
+    return found
 
 
 def projected(series: list[dict], tolerance: float) -> tuple[float, float] | None:
@@ -110,9 +174,9 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
 def _costs(data: dict) -> str:
     cases, found, members = data["cost"], ratios(data), throughput(data)
     rows = []
-    for name, title in TITLES.items():
+    for name in (name for name in TITLES if name in found):
         cells = [_times(found[name][case]) if case in found.get(name, {}) else "-" for case in cases]
-        rows.append([title, *cells, _times(members[name]) if name in members else "-"])
+        rows.append([TITLES[name], *cells, _times(members[name]) if name in members else "-"])
     return _table(["times as long as ours", *cases, "many members"], rows)
 
 
@@ -120,8 +184,7 @@ def _settings(cases: list[dict], names: dict) -> str:
     rows = []
     for case, item in zip(names, cases, strict=True):
         for name, best in item["best"].items():
-            knob = "rtol" if best["variant"] == "adaptive" else "dt"
-            setting = f"{best['n']} x {best['n']}, {best['variant']}, {knob} = {best['step']:.2g}"
+            setting = f"{best['n']} x {best['n']}, {_variant(best)}"
             setup = setting_up(cases, name, best)
             cells = [setting, f"{best['error']:.1e}", f"{seconds(best):.3g}", f"{setup:.2g}"]
             rows.append([case, TITLES[name], *cells])
@@ -136,7 +199,7 @@ def _convergence(codes: dict) -> str:
             order = math.log(first / last) / math.log(item["steps"][0] / item["steps"][-1])
             shown = ", ".join(f"{error:.1e}" for error in item["errors"])
             steps = ", ".join(f"{step:.2g}" for step in item["steps"])
-            adaptive = item["variant"] == "adaptive"
+            adaptive = item["variant"] in TOLERANT
             knob = "rtol" if adaptive else "dt"
             rows.append(
                 [
@@ -179,6 +242,86 @@ def _lines() -> str:
     return _table(["code", "lines", "file"], rows)
 
 
+def _variant(one: dict) -> str:
+    knob = "rtol" if one["variant"] in TOLERANT else "dt"
+    return f"{one['variant']}, {knob} = {one['step']:.2g}"
+
+
+def _grids(data: dict, measure: Callable[[dict, str], list[float]], head: str, factor: float) -> str:
+    found = grid_ratios(data, measure)
+    others = [name for name in TITLES if name in found and name != "cyclosis"]
+    rows = []
+    for size in sorted(data["grids"]["sizes"].values(), key=lambda size: size["n"]):
+        n, ours = size["n"], factor * median(measure(size, "cyclosis"))
+        ratios_here = [_times(found[name][n]) if n in found[name] else "-" for name in others]
+        rows.append([f"{n} x {n}", f"{ours:.3g}", *ratios_here])
+    return _table(["points", head, *(TITLES[name] for name in others)], rows)
+
+
+def _grid_settings(sizes: dict) -> str:
+    out = ""
+    for name in TITLES:
+        groups: dict[str, list[int]] = {}
+        errors = []
+        for size in sorted(sizes.values(), key=lambda size: size["n"]):
+            if found := size["codes"].get(name, {}).get("runs"):
+                groups.setdefault(_variant(cheapest(found)), []).append(size["n"])
+                errors.append(cheapest(found)["error"])
+        if groups:
+            parts = [f"{how} ({_listed(points)})" for how, points in groups.items()]
+            out += f"* {TITLES[name]}: {'; '.join(parts)}; errors {min(errors):.1e} to {max(errors):.1e}.\n"
+    return out
+
+
+def _grids_behind(data: dict) -> str:
+    """Say where others are ahead by the size of the grid."""
+    out = ""
+    for what, measure in (("one right-hand side", right_hand_sides), ("a run", runs)):
+        found = grid_ratios(data, measure)
+        ahead = [
+            f"{TITLES[name]} on {_listed(n for n in ratio if ratio[n] < 1)} points"
+            for name, ratio in found.items()
+            if name != "cyclosis" and min(ratio.values()) < 1
+        ]
+        out += f"For {what} **ours is behind** {'; '.join(ahead)}.\n" if ahead else ""
+    return out or "No code was faster than ours.\n"
+
+
+def _listed(numbers: Iterable[int]) -> str:
+    return ", ".join(str(n) for n in sorted(numbers))
+
+
+def _final_times(sizes: dict) -> str:
+    times: dict[float, list[int]] = {}
+    for size in sorted(sizes.values(), key=lambda size: size["n"]):
+        times.setdefault(size["t"], []).append(size["n"])
+    return ", ".join(f"{t:g} (on {_listed(points)})" for t, points in times.items())
+
+
+def multistep_beside_adaptive(data: dict) -> float:
+    """Return how many times as long as our default stepper `multistep` takes on the smallest grid."""
+    size = min(data["grids"]["sizes"].values(), key=lambda size: size["n"])
+    taken = {one["variant"]: one["seconds"] for one in size["codes"]["cyclosis"]["tried"]}
+    return taken["multistep"] / taken["adaptive"]
+
+
+def _members(found: dict) -> str:
+    ours, rows = found["ways"]["cyclosis"]["timings"], []
+    for label, way in found["ways"].items():
+        rate = found["members"] / median(way["timings"])
+        ratio = median(a / b for a, b in zip(way["timings"], ours, strict=True))
+        title = label.replace(way["code"], TITLES[way["code"]], 1)
+        setting = f"{way['n']} x {way['n']}, {_variant(way)}"
+        rows.append([title, setting, f"{rate:.3g}", _times(ratio)])
+    return _table(["code", "setting", "members a second", "time, in ours"], rows)
+
+
+def _measured(about: dict) -> str:
+    versions = ", ".join(f"{TITLES[name]} {number}" for name, number in about["versions"].items())
+    machine = f"one core of an {about['processor']}, Python {about['python']}"
+    return f"Measured {about['date']} on {machine}: {versions}."
+
+
 def _behind(data: dict) -> str:
     """Say where others are ahead or level: one cell, many members, or a first run with its setting up."""
     cases = data["cost"]
@@ -190,6 +333,12 @@ def _behind(data: dict) -> str:
         for name, ratio in found.items():
             if name != "cyclosis" and ratio < LEVEL:
                 (ahead if ratio < 1 else level).append(f"{TITLES[name]} at {place} ({ratio:.2f})")
+    for name, by_size in grid_ratios(data, runs).items():
+        slow = {n: ratio for n, ratio in by_size.items() if ratio < 1}
+        if slow and name != "cyclosis":
+            least, most = _times(min(slow.values())), _times(max(slow.values()))
+            how = least if least == most else f"{least} to {most}"
+            ahead.append(f"{TITLES[name]} on [grids](#larger-grids) of {_listed(slow)} points a side ({how})")
     for case, item in cases.items():
         first = {
             name: setting_up(list(cases.values()), name, best) + seconds(best)
