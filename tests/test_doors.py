@@ -94,6 +94,8 @@ EXAMPLES = {
         "line_px": None,
         "max_gap": 3,
         "speed": 1.0,
+        "radius_um": 500.0,
+        "speed_um_s": 75.0,
         "mirrored": False,
     },
     **{"max_angle_deg": 80.0, "outside": "drop", "depth_um": 100.0, "scales": None, "depth_px": 10.0},

@@ -13,7 +13,6 @@ from ..model.doors import door
 from ..model.errors import InputError, whole
 from ..model.units import PURE, scales_of_measurement
 from . import looks, quantities
-from .looks import chosen as chosen_looks
 from .looks import setting
 from .style import DOWN, INK, QUIET, TYPE, UP, WIDTH, blank, place
 
@@ -61,7 +60,7 @@ def measurement(
     view = obs.camera
     if view is None:
         raise InputError("obs", "without a view", "a measurement with a view", "call its method view")
-    with chosen_looks(scales=scales_of_measurement(data)), setting(TYPE):
+    with looks.chosen(scales=scales_of_measurement(data)), setting(TYPE):
         height = 82.0
         figure = blank(WIDTH, height)
         ax = place(figure, 12.0, 12.0, WIDTH - _HALF - 24.0, height - 22.0)
@@ -111,7 +110,7 @@ def comparison(data: Any, frame: int | None = None) -> Figure:
     """
     chosen = _chosen(data, "measured", frame)
     now = data.isel(time=chosen)
-    with chosen_looks(scales=scales_of_measurement(data)), setting(TYPE):
+    with looks.chosen(scales=scales_of_measurement(data)), setting(TYPE):
         height = 88.0
         figure = blank(WIDTH, height)
         largest = float(np.nanmax(np.abs(now["measured"].sel(component="z").values)))

@@ -21,7 +21,6 @@ from ..model.errors import InputError
 from ..model.grid import Array
 from ..model.scales import Scales
 from ..model.units import round_length
-from ..version import __version__
 from . import looks, paper
 from .looks import setting
 
@@ -252,18 +251,6 @@ def _mark(source: Any) -> str:
     return "; ".join(f"{name} {source.attrs[name]}" for name in names if name in source.attrs)
 
 
-def metadata(figure: Figure, kind: str) -> dict[str, Any]:
-    """Return what a saved figure says of its origin, in the words that its format has."""
-    maker, about = f"cyclosis {__version__}", str(figure.get_label())
-    if kind == "png":
-        return {"Software": maker, "Description": about}
-    if kind == "pdf":
-        return {"Creator": maker, "Keywords": about}
-    if kind == "svg":
-        return {"Creator": maker, "Description": about, "Date": None}
-    return {"Creator": f"{maker} {about}".strip()}
-
-
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a figure as PNG (300 dpi), PDF, SVG or EPS, by the suffix of `path`, and return the path.
 
@@ -290,7 +277,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     drawn = io.BytesIO()
     try:
         with setting(TYPE):
-            figure.savefig(drawn, dpi=DPI, format=kind[1:], metadata=metadata(figure, kind[1:]))
+            figure.savefig(drawn, dpi=DPI, format=kind[1:], metadata=paper.metadata(figure, kind[1:]))
         with whole(target) as new:
             new.write_bytes(drawn.getvalue())
     except OSError as error:
