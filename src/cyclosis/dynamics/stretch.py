@@ -9,6 +9,7 @@ import jax
 import numpy as np
 
 from ..contract.system import System
+from ..model.room import Room
 from ..model.transforms_apart import transforms_apart
 from .advance import Control, StepperState, advance, aimed, goes_on, one_step
 from .steppers import Method
@@ -18,36 +19,44 @@ LARGE = 512 * 512
 
 
 class Stretch:
-    """The steps of one system: the coefficients of a large one are kept from stretch to stretch."""
+    """The steps of one system. For a large one the coefficients and the room of fields are kept between stretches."""
 
     def __init__(self, system: System, method: Method) -> None:
         self.system, self.method = system, method
-        self.tabulated, self.linear, self.coefficients = np.nan, None, None
+        self.room, self.linear, self.coefficients, self.tabulated = Room(), None, None, np.nan
 
     def to(self, control: Control, now: StepperState, target: Any, most: int) -> StepperState:
         """Return the run after at most `most` steps towards a time, see `advance`."""
-        if not _is_large(now.spectrum):
+        if now.spectrum.size < LARGE or _platform(now.spectrum) != "cpu":
             return advance(self.system, control, now, target, np.int64(most), self.method)
-        last = int(now.accepted + now.rejected) + most
         if self.linear is None:
             self.linear = _linear(self.system)
+        last = int(now.accepted + now.rejected) + most
+        own: Any = ()  # fields that nobody but this loop has seen
         while _goes_on(now, target, last):
-            now = _aimed(now, control, target, self.method.adaptive)
-            if now.h != self.tabulated:
+            h, left = _aimed(now, control, target, self.method.adaptive)
+            if h != self.tabulated:
                 self.coefficients = None  # before the new ones, so that there is room for them
-                self.coefficients = _tableau(self.linear, now.h, self.method)
-                self.tabulated = float(now.h)
-            now = _step(self.system, control, now, target, self.linear, self.coefficients, self.method)
+                self.coefficients = _tableau(self.linear, h, self.method)
+                self.tabulated = float(h)
+            arguments = self.system, control, now._replace(h=h, left=left), target, self.linear
+            now = _step(self.room, *arguments, self.coefficients, self.method, given_up=own)
+            own = now.spectrum, now.nonlinear, now.past
         return now
 
 
-def _is_large(spectrum: Any) -> bool:
-    on_processor = not isinstance(spectrum, jax.Array) or spectrum.device.platform == "cpu"
-    return spectrum.size >= LARGE and on_processor
+def _platform(spectrum: Any) -> str:
+    device = spectrum.device if isinstance(spectrum, jax.Array) else jax.devices()[0]
+    return str(device.platform)
+
+
+@partial(jax.jit, static_argnums=3)
+def _aimed(now: StepperState, control: Control, target: Any, adaptive: bool) -> tuple[Any, Any]:
+    found = aimed(now, control, target, adaptive)
+    return found.h, found.left
 
 
 _goes_on = jax.jit(goes_on)
-_aimed = partial(jax.jit, static_argnums=3)(aimed)
 _linear = jax.jit(lambda system: system.linear())
 _tableau = partial(jax.jit, static_argnums=2)(lambda linear, h, method: method.tableau(linear, h))
 _step = transforms_apart(one_step)
