@@ -27,7 +27,7 @@ from cyclosis.dynamics.steppers import METHODS
 from cyclosis.model.precision import double
 from cyclosis.model.system import system
 
-stretch.LARGE = 0 if pieces else n**2 + 1
+stretch.LARGE = 0 if pieces else 2**60
 grid, method, steps = cy.CylinderGrid(n, n, 5.0), METHODS["etdrk4"], max(2, 2**21 // n**2)
 with double():
     cell = jax.device_put(system(cy.Parameters(), grid, precision=precision))

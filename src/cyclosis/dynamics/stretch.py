@@ -14,20 +14,20 @@ from ..model.transforms_apart import transforms_apart
 from .advance import Control, StepperState, advance, aimed, goes_on, one_step
 from .steppers import Method
 
-LARGE = 512 * 512
-"""Modes from which a step on a processor is run in pieces: it then takes longer than calling them."""
+LARGE = 16 * 512 * 512
+"""Bytes of a state from which its steps are run in pieces: calling these takes less time than they gain."""
 
 
 class Stretch:
-    """The steps of one system. For a large one the coefficients and the room of fields are kept between stretches."""
+    """The steps of one system. Coefficients and the room of fields are kept until a target is reached."""
 
     def __init__(self, system: System, method: Method) -> None:
-        self.system, self.method = system, method
-        self.room, self.linear, self.coefficients, self.tabulated = Room(), None, None, np.nan
+        self.system, self.method, self.room = system, method, Room()
+        self.linear, self.coefficients, self.tabulated = None, None, np.nan
 
     def to(self, control: Control, now: StepperState, target: Any, most: int) -> StepperState:
         """Return the run after at most `most` steps towards a time, see `advance`."""
-        if now.spectrum.size < LARGE or _platform(now.spectrum) != "cpu":
+        if now.spectrum.nbytes < LARGE or _platform(now.spectrum) != "cpu":
             return advance(self.system, control, now, target, np.int64(most), self.method)
         if self.linear is None:
             self.linear = _linear(self.system)
@@ -42,6 +42,10 @@ class Stretch:
             arguments = self.system, control, now._replace(h=h, left=left), target, self.linear
             now = _step(self.room, *arguments, self.coefficients, self.method, given_up=own)
             own = now.spectrum, now.nonlinear, now.past
+        if now.t >= target:
+            # What is measured there needs memory too.
+            self.linear, self.coefficients, self.tabulated = None, None, np.nan
+            self.room.clear()
         return now
 
 

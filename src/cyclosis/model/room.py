@@ -7,6 +7,9 @@ memory of an argument that is donated, also of one that the program does not rea
 
 from __future__ import annotations
 
+import ctypes
+import sys
+from functools import cache
 from typing import Any
 
 import jax
@@ -30,3 +33,15 @@ class Room:
         """Keep an array that nothing else refers to. Numbers are not kept, nor is what is no array of JAX."""
         if isinstance(array, jax.Array) and array.shape and not array.weak_type:
             self._free.setdefault((array.shape, array.dtype), []).append(array)
+
+    def clear(self) -> None:
+        """Forget all arrays, and give their memory back to the system, which else keeps it for this process."""
+        self._free.clear()
+        _trim()(0)
+
+
+@cache
+def _trim() -> Any:
+    """Return the function of the GNU C library for this; others need none."""
+    library = ctypes.CDLL(None) if sys.platform == "linux" else None
+    return getattr(library, "malloc_trim", lambda _: None)
