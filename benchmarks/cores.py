@@ -39,8 +39,8 @@ with double():
         now = run.to(Control.of(1e-4, 1e-6, 1.5, dt=0.05), now, np.float64(1e3), steps)
         now.spectrum.block_until_ready()
         seconds.append(time.perf_counter() - began)
-unit = 2**20 if sys.platform == "darwin" else 2**10
-print(min(seconds[1:]) / steps / method.evaluations, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit)
+memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
+print(min(seconds[1:]) / steps / method.evaluations, memory)
 """
 
 

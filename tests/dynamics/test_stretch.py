@@ -18,7 +18,8 @@ STATE = 0.9 * cy.initial.disordered(GRID, 100, seed=3)
 MOMENTS = cy.kinetic.dressed(STATE, 6)
 UNEVEN = cy.initial.with_concentration(STATE, 1 + 0.2 * np.sin(GRID.theta[:, None] + 0 * GRID.z))
 PROTOCOL = cy.Protocol(
-    cy.change(at=0.7, over=1.0, alpha_p=0.2, mu=0.07), cy.change(at=1.3, where=cy.regions.disc(3.1, 2.5, 1.0), kappa=0.0)
+    cy.change(at=0.7, over=1.0, alpha_p=0.2, mu=0.07),
+    cy.change(at=1.3, where=cy.regions.disc(3.1, 2.5, 1.0), kappa=0.0),
 )
 
 
@@ -45,38 +46,62 @@ CASES = {
     "term": {"terms": [*cy.TERMS, relax]},
     "protocol": {"protocol": PROTOCOL},
     "protocol, multistep": {"protocol": PROTOCOL, "stepper": "multistep"},
-    "steady": {"state": cy.initial.unidirectional(GRID, 0.9), "params": cy.Parameters(alpha_u=0.2), "steady_rate": 0.5},
-    "one axial point": {"grid": cy.CylinderGrid(32, 1), "state": cy.initial.disordered(cy.CylinderGrid(32, 1), 100)},
+    "steady": {
+        "state": cy.initial.unidirectional(GRID, 0.9),
+        "params": cy.Parameters(alpha_u=0.2),
+        "steady_rate": 0.5,
+    },
+    "one axial point": {
+        "grid": cy.CylinderGrid(32, 1),
+        "state": cy.initial.disordered(cy.CylinderGrid(32, 1), 100),
+    },
 }
+QUICK = ("adaptive", "multistep", "term", "steady")
+"""Cases that always run: most of the time is that of compiling two programs."""
 
 
 def run(t_end=2.0, *, params=PARAMS, grid=GRID, state=STATE, **how):
     return cy.simulate(params, grid, state, t_end, 1.0, **how)
 
 
-@pytest.fixture
-def large(monkeypatch):
-    """Every cell counts as large; the compiled loop must not be used."""
+def cut(monkeypatch):
+    """Let every cell count as large; the compiled loop must not be used."""
     monkeypatch.setattr(stretch, "LARGE", 0)
     monkeypatch.delattr(stretch, "advance")
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.fixture
+def large(monkeypatch):
+    cut(monkeypatch)
+
+
+@pytest.mark.parametrize(
+    "case", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in CASES]
+)
 def test_the_run_is_that_of_one_program(case, monkeypatch):
     """The same steps, and states to rounding: `rtol` of the steps is far larger."""
     one = run(**CASES[case])
-    monkeypatch.setattr(stretch, "LARGE", 0)
-    monkeypatch.delattr(stretch, "advance")
+    cut(monkeypatch)
     pieces = run(**CASES[case])
     assert (pieces.status, pieces.t_final) == (one.status, one.t_final)
-    counts = [(found.effort.accepted, found.effort.rejected, found.effort.evaluations) for found in (one, pieces)]
+    counts = [
+        (found.effort.accepted, found.effort.rejected, found.effort.evaluations) for found in (one, pieces)
+    ]
     assert counts[0] == counts[1]
     rounding = 1e-5 if case == "float32" else 1e-12
     assert np.abs(pieces.frames[-1] - one.frames[-1]).max() < rounding
     assert pieces.times.tolist() == one.times.tolist()
 
 
-@pytest.mark.parametrize("case", ["adaptive", "multistep", "etdrk4", "float32", "protocol, multistep", "kinetic"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        "adaptive",
+        "multistep",
+        *(pytest.param(case, marks=pytest.mark.slow) for case in ("etdrk4", "float32", "kinetic")),
+        pytest.param("protocol, multistep", marks=pytest.mark.slow),
+    ],
+)
 def test_a_run_goes_on_bit_for_bit(case, large):
     whole = run(3.0, **CASES[case])
     again = run(3.0, **CASES[case])
@@ -111,6 +136,18 @@ def test_stretches_of_any_number_of_steps_make_the_same_bits(stepper, cell, larg
     jax.tree.map(np.testing.assert_array_equal, now, at_once)
     for state, copy in handed:
         jax.tree.map(np.testing.assert_array_equal, state, copy)
+
+
+def test_nothing_is_kept_at_a_target(cell, large):
+    """What is measured there has the memory to itself: coefficients and room are forgotten."""
+    method, control, now = began(cell, "etdrk4")
+    steps = stretch.Stretch(cell, method)
+    before = len(jax.live_arrays())
+    steps.to(control, now, np.float64(9.0), 2)
+    assert len(jax.live_arrays()) > before
+    now = steps.to(control, now, np.float64(0.5), 99)
+    assert float(now.t) == 0.5
+    assert len(jax.live_arrays()) <= before + len(jax.tree.leaves(now))
 
 
 def test_the_memory_of_steps_is_used_again(cell, large):

@@ -1,4 +1,4 @@
-"""Programs cut at their Fourier transforms: the numbers of one program, each transform alone, no field too many."""
+"""Programs cut at their Fourier transforms: the same numbers, each transform alone, no field too many."""
 
 import jax
 import jax.numpy as jnp
@@ -52,12 +52,15 @@ FUNCTIONS = {
     "real ones": lambda a, b, r: jnp.fft.irfft2(jnp.fft.rfft2(r) * 2.0, r.shape) + a,
     "constants": lambda a, b, r: to(jnp.asarray(TABLE) * a) + TABLE + to(jnp.asarray(TABLE + 0j)),
     "numbers": lambda a, b, r: (to(a) * 3 + 1j, 2.5, jnp.float32(1.5), jnp.sum(to(b)).real),
-    "nested programs": lambda a, b, r: jax.jit(lambda x, y: (to(jax.jit(to)(x) * y), y))(a, jax.jit(jnp.abs)(b)),
+    "nested programs": lambda a, b, r: jax.jit(lambda x, y: (to(jax.jit(to)(x) * y), y))(
+        a, jax.jit(jnp.abs)(b)
+    ),
     "branches": chosen,
     "the other branch": lambda a, b, r: chosen(a, b, jnp.abs(r)),
     "the inner branches": lambda a, b, r: [chosen(s * a - b, b, jnp.abs(r)) for s in (1e3, -1e3)],
     "several choices": lambda a, b, r: [
-        jax.lax.switch(k, [lambda x: to(x), lambda x: x * 2.0, lambda x: back(x)], a) for k in (-3, 0, 1, 2, 7)
+        jax.lax.switch(k, [lambda x: to(x), lambda x: x * 2.0, lambda x: back(x)], a)
+        for k in (-3, 0, 1, 2, 7)
     ],
     "a loop": lambda a, b, r: to(jax.lax.fori_loop(0, 3, lambda _, x: to(x) / 5.0 + b, a)),
     "arguments as results": lambda a, b, r: (a, to(b), r, r),

@@ -157,7 +157,7 @@ def _calm(control: Control, now: StepperState, t: Any, rate: Any, noise: Any) ->
 
 
 def aimed(now: StepperState, control: Control, target: Any, adaptive: bool) -> StepperState:
-    """Return a run with the interval to the target cut into equal steps, unless some of an earlier cut are left."""
+    """Return a run with the interval to the target cut into equal steps, unless some are left."""
     wanted = length(now.rung) if adaptive else control.dt
     cut_short = False
     if now.past is not None:

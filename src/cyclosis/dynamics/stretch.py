@@ -1,4 +1,4 @@
-"""Stretches of a run: in one compiled program, or for a large cell in pieces whose transforms use all cores."""
+"""Stretches of a run: in one compiled program, or for a large cell in pieces that use all cores."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ class Stretch:
 
 
 def _platform(spectrum: Any) -> str:
-    device = spectrum.device if isinstance(spectrum, jax.Array) else jax.devices()[0]
-    return str(device.platform)
+    devices = spectrum.devices() if isinstance(spectrum, jax.Array) else jax.devices()
+    return str(next(iter(devices)).platform)
 
 
 @partial(jax.jit, static_argnums=3)

@@ -1,4 +1,4 @@
-"""A traced program as a list of operations: those of its inner programs stand in it, and values are numbered."""
+"""A traced program as a list of operations, with those of its inner programs; values are numbered."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Operation:
 
 
 class Operations:
-    """The operations of a traced program in order, and the numbers of its arguments, constants and results."""
+    """The operations of a traced program in order; numbers of its arguments, constants, results."""
 
     def __init__(self, traced: core.ClosedJaxpr) -> None:
         self.all: list[Operation] = []
@@ -88,7 +88,8 @@ class Operations:
             self.constants[number] = jnp.asarray(value)
 
         def source(atom: Any) -> Source:
-            return Given(np.asarray(atom.val, atom.aval.dtype)) if isinstance(atom, core.Literal) else known[atom]
+            kind: Any = atom.aval
+            return Given(np.asarray(atom.val, kind.dtype)) if isinstance(atom, core.Literal) else known[atom]
 
         for equation in jaxpr.eqns:
             takes = [source(atom) for atom in equation.invars]

@@ -1,8 +1,8 @@
 """Memory of fields that nothing needs any longer, for results of the same kind.
 
-A C library returns the memory of a large array to the system, which clears every page that it gives out again:
-at 1024 x 1024 that takes as long as half a Fourier transform for each field. JAX writes a result into the
-memory of an argument that is donated, also of one that the program does not read.
+A C library returns the memory of a large array to the system, which clears every page that it gives out
+again: at 1024 x 1024 that takes as long as half a Fourier transform for each field. JAX writes a result into
+the memory of an argument that is donated, also of one that the program does not read.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Room:
             self._free.setdefault((array.shape, array.dtype), []).append(array)
 
     def clear(self) -> None:
-        """Forget all arrays, and give their memory back to the system, which else keeps it for this process."""
+        """Forget all arrays, and see that their memory goes back to the system."""
         self._free.clear()
         _trim()(0)
 

@@ -43,7 +43,7 @@ def stages(operations: list[Operation], wanted: set[int]) -> list[Stage]:
 
 
 class _Cut:
-    """The stage of every value, which is the number of transforms before it, and the fields it follows from."""
+    """The stage of every value, the number of transforms before it, and the fields it follows from."""
 
     def __init__(self, operations: list[Operation]) -> None:
         self.source = {item: each for each in operations if not each.apart for item in each.gives}
@@ -57,7 +57,7 @@ class _Cut:
                 self.fields[item] = frozenset([item]) if each.apart else above
 
     def what_follows(self, items: Iterable[int], number: int) -> tuple[set[int], set[int]]:
-        """Return what a stage has to compute for some values, and what earlier ones have to compute for it."""
+        """Return what a stage computes for some values, and what earlier ones have to compute for it."""
         own, early, left = set[int](), set[int](), list(items)
         while left:
             item = left.pop()

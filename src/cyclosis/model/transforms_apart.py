@@ -40,7 +40,8 @@ def transforms_apart(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @lru_cache(maxsize=MOST_KEPT)
     def prepared(structure: Any, kinds: tuple[Any, ...], fixed: Hashable) -> tuple[Run, Any]:
-        shapes = [jax.ShapeDtypeStruct(shape, kind, weak_type=weak) for shape, kind, weak in kinds]
+        blank: Any = jax.ShapeDtypeStruct
+        shapes = [blank(shape, kind, weak_type=weak) for shape, kind, weak in kinds]
         trace = jax.make_jaxpr(lambda *arguments: function(*arguments, fixed), return_shape=True)
         traced, results = trace(*jax.tree.unflatten(structure, shapes))
         return _run(traced), jax.tree.structure(results)
@@ -64,7 +65,11 @@ class Program:
 
     def __init__(self, traced: core.ClosedJaxpr) -> None:
         operations = Operations(traced)
-        self.inputs, self.outputs, self.constants = operations.inputs, operations.outputs, operations.constants
+        self.inputs, self.outputs, self.constants = (
+            operations.inputs,
+            operations.outputs,
+            operations.constants,
+        )
         wanted = {source for source in self.outputs if isinstance(source, int)}
         self.pieces: list[Piece] = []
         for together, gives, apart in stages(operations.needed(), wanted):
