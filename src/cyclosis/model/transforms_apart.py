@@ -138,7 +138,7 @@ def _apart(operation: Operation) -> Piece:
 
         def run(known: Values, room: Room) -> Sequence[Any]:
             which, *rest = (read(known, source) for source in operation.takes)
-            return branches[min(max(int(which), 0), len(branches) - 1)].run(rest, room)
+            return branches[int(which)].run(rest, room)
     else:
         (kind,), (source,) = operation.kinds, operation.takes
         how = parameters["fft_type"], tuple(parameters["fft_lengths"])
