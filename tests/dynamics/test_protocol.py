@@ -181,7 +181,7 @@ def test_steps_land_on_events_exactly(monkeypatch):
         reached.append((float(arguments[2].t), float(now.t), float(arguments[3])))
         return now
 
-    monkeypatch.setattr("cyclosis.dynamics.follow.advance", spy)
+    monkeypatch.setattr("cyclosis.dynamics.stretch.advance", spy)
     events = (1.2345, 2.2345, 3.0001)
     protocol = cy.Protocol(cy.change(at=1.2345, over=1.0, **USUAL), cy.noise(at=3.0001, size=0.01))
     cy.simulate(DIFFUSE, GRID, STATE, 5.0, 5.0, protocol=protocol)

@@ -119,13 +119,11 @@ def advance(
     first = progress.accepted + progress.rejected
 
     def unfinished(carry: tuple[StepperState, Any, Any]) -> Any:
-        now = carry[0]
-        tried = now.accepted + now.rejected - first
-        return (now.t < target) & ~now.failed & ~is_steady(now) & (tried < max_steps)
+        return goes_on(carry[0], target, first + max_steps)
 
     def body(carry: tuple[StepperState, Any, Any]) -> tuple[StepperState, Any, Any]:
         now, tabulated, coefficients = carry
-        now = _aim(now, control, target, method.adaptive)
+        now = aimed(now, control, target, method.adaptive)
         coefficients = jax.lax.cond(
             now.h == tabulated, lambda: coefficients, lambda: method.tableau(linear, now.h)
         )
@@ -135,6 +133,12 @@ def advance(
     blank = jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
     carry = (progress, jnp.asarray(-1.0, jnp.float64), blank)
     return jax.lax.while_loop(unfinished, body, carry)[0]
+
+
+def goes_on(now: StepperState, target: Any, most: Any) -> Any:
+    """Return whether more steps are to be made: `most` is the number of tried ones at which to stop."""
+    tried = now.accepted + now.rejected
+    return (now.t < target) & ~now.failed & ~is_steady(now) & (tried < most)
 
 
 def is_steady(now: StepperState) -> Any:
@@ -152,8 +156,8 @@ def _calm(control: Control, now: StepperState, t: Any, rate: Any, noise: Any) ->
     return since, least
 
 
-def _aim(now: StepperState, control: Control, target: Any, adaptive: bool) -> StepperState:
-    """Cut the interval to the target into equal steps, unless some of an earlier cut are left."""
+def aimed(now: StepperState, control: Control, target: Any, adaptive: bool) -> StepperState:
+    """Return a run with the interval to the target cut into equal steps, unless some are left."""
     wanted = length(now.rung) if adaptive else control.dt
     cut_short = False
     if now.past is not None:

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..contract.model import Array
-from .advance import NEVER, Control, StepperState, advance, is_steady, start
+from .advance import NEVER, Control, StepperState, is_steady, start
 from .course import Course, Intervention
 from .steppers import METHODS, Method
+from .stretch import Stretch
 
 MOST_STEPS = 4096
 """Largest number of steps that are tried in one stretch."""
@@ -52,6 +53,7 @@ class Follower:
 
     def _set_done(self, done: int) -> None:
         self.done, self.system = done, jax.device_put(self.course.system(done))
+        self.stretch = Stretch(self.system, self.method)
         self.note: Intervention | None = None
         rate = self.control.steady_rate if done == len(self.course.times) else np.float64(NEVER)
         self.active = self.control._replace(steady_rate=rate, bound=self.course.bound(done))
@@ -86,9 +88,7 @@ class Follower:
     def advance(self, target: float) -> None:
         """Compute one stretch towards a time, which is hit exactly."""
         began = clock.perf_counter()
-        self.now = advance(
-            self.system, self.active, self.now, np.float64(target), np.int64(self.steps), self.method
-        )
+        self.now = self.stretch.to(self.active, self.now, np.float64(target), self.steps)
         self.now.t.block_until_ready()
         if self.seconds is not None:
             spent = clock.perf_counter() - began

@@ -18,6 +18,8 @@ import numpy as np
 from jax import lax
 from jax.extend import core
 
+from .traced_programs import INLINED, alone
+
 
 class Pair(NamedTuple):
     """A complex array by its parts; `imag` is None where it is zero."""
@@ -53,6 +55,7 @@ def _evaluated(jaxpr: core.Jaxpr, constants: Any, arguments: Any) -> list[Any]:
 
     for equation in jaxpr.eqns:
         name, inputs = equation.primitive.name, equation.invars
+        several = equation.primitive.multiple_results
         found: Any = NotImplemented
         if name in INLINED:
             inner = equation.params["jaxpr"]
@@ -60,22 +63,10 @@ def _evaluated(jaxpr: core.Jaxpr, constants: Any, arguments: Any) -> list[Any]:
         elif name in RULES and any(_complex(atom) for atom in (*inputs, *equation.outvars)):
             found = RULES[name](*(read(atom, _complex(atom)) for atom in inputs), **equation.params)
         if found is NotImplemented:
-            found = _as_it_is(jaxpr, equation, read)
-        several = equation.primitive.multiple_results
+            values = alone(jaxpr, equation)(*(_joined(read(atom)) for atom in inputs))
+            found = values if several else values[0]
         known.update(zip(equation.outvars, found if several else [found], strict=True))
     return [read(atom) for atom in jaxpr.outvars]
-
-
-def _as_it_is(whole: Any, equation: core.JaxprEqn, read: Callable[[Any], Any]) -> Any:
-    """Return what one primitive of a program makes of complex arrays."""
-    inputs = list(dict.fromkeys(atom for atom in equation.invars if isinstance(atom, core.Var)))
-    alone = whole.replace(constvars=[], invars=inputs, outvars=equation.outvars, eqns=[equation])
-    found = core.jaxpr_as_fun(core.ClosedJaxpr(alone, []))(*(_joined(read(atom)) for atom in inputs))
-    return found if equation.primitive.multiple_results else found[0]
-
-
-INLINED = ("jit", "pjit")
-"""Primitives that are programs of their own."""
 
 
 def _complex(atom: Any) -> bool:
