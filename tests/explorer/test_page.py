@@ -88,9 +88,13 @@ def test_tracers_stream_over_a_cylinder_that_is_steady(page):
     page.locator("#speed").press("End")
     play(page)
     wait(page, "cell.t > 150", 120)
-    first = seen(page)
-    page.wait_for_timeout(400)
-    assert (abs(seen(page) - first) > 40).sum() > 20
+    first, moved = seen(page), 0
+    for _ in range(20):  # a machine that draws in software besides other work may need more than one look
+        page.wait_for_timeout(400)
+        moved = (abs(seen(page) - first) > 40).sum()
+        if moved > 20:
+            break
+    assert moved > 20
     play(page, on=False)
     page.wait_for_timeout(400)
     held = seen(page)
