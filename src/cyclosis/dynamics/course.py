@@ -18,7 +18,8 @@ from ..display.shown import shown
 from .advance import FIRST_RUNG, StepperState, start
 from .multistep import forget
 from .protocol import Protocol
-from .schedule import Schedule, Stage
+from .schedule import Schedule
+from .stage import Stage
 
 
 @shown
@@ -51,7 +52,7 @@ class Course:
     def system(self, done: int) -> System:
         """Return the active system once `done` events are done."""
         if self._kept is None or self._kept[0] != done:
-            stage, model = self.schedule.stages[done], self.problem.model
+            stage, model = self.schedule.after(done), self.problem.model
             first, last = self.ends(done)
             if stage.moving:
                 made = model.ramped(first, last, stage.moving, self.split)
@@ -62,7 +63,7 @@ class Course:
 
     def ends(self, done: int) -> tuple[Problem, Problem]:
         """Return the problems at the beginnings and the ends of the ramps once `done` events are done."""
-        stage = self.schedule.stages[done]
+        stage = self.schedule.after(done)
         first = self._at(stage, stage.first)
         return first, self._at(stage, stage.last) if stage.moving else first
 

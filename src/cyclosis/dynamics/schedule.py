@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,38 +18,21 @@ from ..contract.model import Array
 from ..model.errors import InputError
 from ..model.instants import instant
 from ..model.regions import Mask
-from .protocol import Change, Protocol, Step, WashOut
+from .protocol import Protocol, Step
+from .stage import Stage, Values
 
-
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """What is active between two events.
-
-    `first` and `last` are the parameters at the beginnings and the ends of the active ramps, and are equal if
-    there are none; `moving` gives the beginning and the end of each ramp by name. `fields` names the
-    parameters that a step, now or before, has made differ from place to place.
-    """
-
-    first: Any
-    last: Any
-    moving: dict[str, tuple[float, float]]
-    fields: frozenset[str]
-
-    def at(self, t: float) -> Any:
-        """Return the parameters at a time within the stage."""
-        values = {}
-        for name, (begin, end) in self.moving.items():
-            first = getattr(self.first, name)
-            values[name] = first + (t - begin) / (end - begin) * (getattr(self.last, name) - first)
-        return self.first.replace(**values) if values else self.first
+KEPT = 4
+"""Stages that a schedule keeps; others are made again when they are needed."""
 
 
 class Schedule:
     """The events of a protocol on a cell.
 
-    `times` are those of the steps and of the ends of ramps; `stages` are the stretches before, between and
-    after them, so that stage k is active once k events are done. Raises `InputError` for fields that do not
-    match the grid, and for a region that is not on the cell or has no point of the grid.
+    `times` are those of the steps and of the ends of ramps. Stages are the stretches before, between and
+    after them, so that stage k is active once k events are done. Parameters may be fields, so the stages of a
+    long protocol can be larger than everything else: only the last `KEPT` of them are kept. Raises
+    `InputError` for fields that do not match the grid, and for a region that is not on the cell or has no
+    point of the grid.
     """
 
     def __init__(self, params: Any, grid: Any, protocol: Protocol) -> None:
@@ -58,16 +40,29 @@ class Schedule:
         self.params, self.grid, self.protocol = params, grid, protocol
         self.steps = [(step, _mask(step, grid)) for step in protocol]
         self.times = tuple(sorted({time for step in protocol for time in (step.at, step.until)}))
-        self.stages = self._stages()
+        self._kept = {0: Values.of(params)}
+        self.after(len(self.times))  # a mistake in any step is found now
 
     def done(self, t: float) -> int:
         """Return the number of events up to and at a time."""
         t = instant(t)
         return bisect_right(self.times, t)
 
+    def after(self, done: int) -> Stage:
+        """Return the stage once `done` events are done."""
+        reached = max(k for k in self._kept if k <= done)
+        while reached < done:
+            time = self.times[reached]
+            values = self._kept[reached].after(time, self._due(time), self.params)
+            reached += 1
+            self._kept[reached] = values
+            if len(self._kept) > 1 + KEPT:
+                del self._kept[next(k for k in self._kept if k)]  # the one made first
+        return self._kept[done].stage
+
     def stage(self, t: float) -> Stage:
         """Return the stage at a time, after any steps at that time."""
-        return self.stages[self.done(t)]
+        return self.after(self.done(t))
 
     def params_at(self, t: float) -> Any:
         """Return the parameters at a time, after any steps at that time."""
@@ -95,41 +90,6 @@ class Schedule:
     def _due(self, time: float) -> list[tuple[Step, Mask | None]]:
         """Return the steps at a time with their regions."""
         return [(step, mask) for step, mask in self.steps if step.at == time]
-
-    def _stages(self) -> list[Stage]:
-        current: dict[str, Any] = dict(self.params.items())
-        ramps: dict[str, tuple[float, float, Any, Any]] = {}
-        changed, spread = set[str](), set[str]()
-        out = [Stage(self.params, self.params, {}, frozenset())]
-        for time in self.times:
-            for name in [name for name, ramp in ramps.items() if ramp[1] <= time]:
-                current[name] = ramps.pop(name)[3]
-            for step, mask in self._due(time):
-                if isinstance(step, Change):
-                    changed |= dict(step.values).keys()
-                    spread |= dict(step.values).keys() if step.where is not None else set()
-                for name, target in self._targets(step, mask, current, changed).items():
-                    if getattr(step, "over", 0.0) and name != "zero_theta_flux":
-                        ramps[name] = (step.at, step.until, current[name], target)
-                    else:
-                        current[name] = target
-            first = self.params.replace(**(current | {name: ramp[2] for name, ramp in ramps.items()}))
-            last = first.replace(**{name: ramp[3] for name, ramp in ramps.items()})
-            out.append(Stage(first, last, {n: r[:2] for n, r in ramps.items()}, frozenset(spread)))
-        return out
-
-    def _targets(
-        self, step: Step, mask: Mask | None, current: dict[str, Any], changed: set[str]
-    ) -> dict[str, Any]:
-        """Return the values to which a step takes parameters, by name."""
-        if isinstance(step, WashOut):
-            return {name: getattr(self.params, name) for name in sorted(changed)}
-        if not isinstance(step, Change):
-            return {}
-        return {
-            name: value if mask is None else np.where(mask, value, current[name])
-            for name, value in step.values
-        }
 
 
 def _mask(step: Step, grid: Any) -> Mask | None:

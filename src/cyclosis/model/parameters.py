@@ -98,7 +98,10 @@ class Parameters:
         unknown = set(changes) - {item.name for item in fields(self)}
         if unknown:
             raise InputError("parameter", min(unknown), "one of " + ", ".join(_DEFAULT), "check the spelling")
+        changes = {name: value for name, value in changes.items() if value is not getattr(self, name)}
         changed = replace(self, **changes)
+        for name in dict(self.items()).keys() - changes.keys():
+            object.__setattr__(changed, name, getattr(self, name))  # fields are read-only: shared, not copied
         if self._length is not None and changed._length is None and changed.shape is not None:
             object.__setattr__(changed, "_length", self._length)
         return changed
