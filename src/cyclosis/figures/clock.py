@@ -13,8 +13,8 @@ from ..model.units import time_unit
 
 STEADY_SHARE = 0.3
 """Share of a movie that is even on the square-root scale; the rest is even along the path of P."""
-_TICK_ROOM = 0.14
-"""Least distance between ticks, as a fraction of the axis."""
+_TICK_ROOM, _TICK_EMS = 0.14, 2.0
+"""Least distance between ticks, as a fraction of the axis and in sizes of their type."""
 
 
 def time_axis(ax: Any, first: float, last: float, scales: Scales | None = None) -> None:
@@ -30,7 +30,9 @@ def time_axis(ax: Any, first: float, last: float, scales: Scales | None = None) 
     ax.set_xscale("function", functions=(forward, lambda s: first + np.asarray(s) ** 2))
     ax.set_xlim(first, last)
     factor = time_unit(scales, last).factor
-    shown = ticks(factor * first, factor * last)
+    wide = ax.get_position().width * ax.figure.get_figwidth()
+    least = _TICK_EMS * ax.xaxis.get_major_ticks(1)[0].label1.get_size() / 72
+    shown = ticks(factor * first, factor * last, max(_TICK_ROOM, least / wide))
     ax.set_xticks([time / factor for time in shown], [f"{time:g}" for time in shown])
     ax.minorticks_off()
 
@@ -48,18 +50,18 @@ def time_text(scales: Scales | None, time: float, digits: str = ".4g", last: flo
     return f"$t$ = {shown} {unit.name}".rstrip()
 
 
-def ticks(first: float, last: float) -> list[float]:
-    """Return round times from first to last that keep their distance on the square-root scale."""
+def ticks(first: float, last: float, room: float = _TICK_ROOM) -> list[float]:
+    """Return round times from first to last, at least `room` of the square-root scale apart."""
     if first == 0:
         largest = int(np.floor(np.log10(last)))
         candidates = [k * 10.0**e for e in range(largest, largest - 4, -1) for k in (5, 2, 1)]
     else:
         candidates = [float(t) for t in reversed(MaxNLocator(5).tick_values(first, last))]
     chosen = [first]
-    ceiling = 1.0 + _TICK_ROOM
+    ceiling = 1.0 + room
     for time in [t for t in candidates if first < t <= last]:
         place = np.sqrt((time - first) / (last - first))
-        if _TICK_ROOM <= place <= ceiling - _TICK_ROOM:
+        if room <= place <= ceiling - room:
             chosen.append(time)
             ceiling = place
     return sorted(chosen)

@@ -19,6 +19,7 @@ from ..model.grid import Array
 from ..model.scales import Scales
 from ..model.units import length_text
 from .closed_solid import coloured
+from .edges import mark_height
 from .marks import Mark, draw_marks
 from .ribbons import Ribbon, paint
 from .skin import Skin
@@ -118,7 +119,7 @@ def mark_edges(ax: Any, skin: Skin, scales: Scales | None = None) -> None:
     """Put ticks at the edges of a map, in radii or units along the axis, and lines along two of its sides."""
     half = np.pi * skin.widest
     ax.set_xticks([-half, half], ["0", "2π"])
-    ax.set_yticks([0, skin.length], ["0", length_text(skin.length, scales, ".2g")])
+    mark_height(ax, length_text(skin.length, scales, ".2g"), skin.length)
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines["left"].set_bounds(0, skin.length)
     ax.spines["bottom"].set_bounds(-half, half)

@@ -15,6 +15,7 @@ from ..model.errors import InputError, number
 from ..model.grid import Array, interpolate
 from ..model.units import scales_in
 from .clock import time_text
+from .edges import name_axes
 from .frames import frame, grid_of, in_memory, indices_at, is_closed, peak_speed
 from .looks import setting
 from .portraits import Look, Portrait, portrait
@@ -92,7 +93,7 @@ def compare(
             cell.edges(ax, scales)
             when = time_text(scales, float(datasets[k]["time"].values[indices[k]]))
             ax.set_title(f"{names[k]}, {when}", fontsize=size, pad=4.0)
-            ax.set_xlabel(cell.across, labelpad=-6.0)
+            name_axes(ax, cell.across)
             if k:
                 ax.set_yticklabels([])
             left += room + _APART
@@ -102,7 +103,7 @@ def compare(
         image, most, text, low = difference(ax, looks)
         cell.edges(ax)
         ax.set_yticklabels([])
-        ax.set_xlabel(cell.across, labelpad=-6.0)
+        name_axes(ax, cell.across)
         ax.set_title(r"$\langle|\Delta\mathbf{P}|^2\rangle^{1/2}$" + f" = {text}", fontsize=size, pad=4.0)
         _key(figure, image, (left + room + 2.5, _AXIS, 3.0, max(high - 5.0, _LEAST_KEY)), (low, most), cell)
         return figure

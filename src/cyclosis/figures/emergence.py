@@ -13,6 +13,7 @@ from ..model.errors import InputError, number
 from ..model.units import scales_in
 from . import cylinder
 from .clock import time_text
+from .edges import name_axes
 from .frames import frame, in_memory, indices_at, peak_speed, story
 from .looks import setting
 from .portraits import Look
@@ -155,10 +156,8 @@ class _Layout:
         ax = place(self.figure, left, _AXIS, *self.map)
         self.portrait.flat(ax, look, peak_speed=self.peak)
         self.portrait.edges(ax, self.scales)
-        ax.set_xlabel(self.portrait.across, labelpad=-6.0)
-        if k == 0:
-            ax.set_ylabel(self.portrait.along, rotation=0, labelpad=-1.0, va="center")
-        else:
+        name_axes(ax, self.portrait.across, None if k else self.portrait.along)
+        if k:
             ax.set_yticklabels([])
         # Lines of unrolling, from the lower end of the cell to the upper edge of its map.
         for below, above in self.portrait.links():

@@ -68,7 +68,7 @@ def history(dataset: Any, width: float = WIDTH) -> Figure:
     the numbers of defects take the place of the widths, and there is no theory (see
     `cyclosis.figures.closed_history`). Of a run of another model, every recorded quantity is drawn in a panel
     of its own.
-    `width` is in millimetres, at least 80; below 120 there are two panels in a row instead of three. All
+    `width` is in millimetres, at least 80; below 150 there are two panels in a row instead of three. All
     quantities are dimensionless. Of a dataset with scales (see `cyclosis.dataset.with_scales`) time and
     speeds are in units. Raises `InputError` for a dataset without fields or recorded quantities, or of a
     single time.

@@ -15,12 +15,12 @@ from ..model.scales import Scales
 from ..model.units import PURE, scales_in, speed_unit
 from .clock import time_axis, time_label
 from .looks import setting
-from .style import INK, LEGEND, SMALL, TYPE, WIDE, blank, mathtext, place
+from .style import INK, LEGEND, SMALL, TYPE, blank, mathtext, place
 
 # Places in millimetres.
-_LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0
-COLUMNS, NARROWEST = 3, 80.0
-"""Panels side by side in a wide figure, and its least width in millimetres. Narrow ones have two."""
+_LEFT, _RIGHT, _GAP, _ABOVE, _BELOW, _HEIGHT, _LABEL = 14.0, 3.0, 15.0, 8.0, 10.0, 36.0, 8.9
+COLUMNS, NARROWEST, WIDE = 3, 80.0, 150.0
+"""Panels side by side in a wide figure, least width of any, and width below which there are two (mm)."""
 _NARROW_LEFT, _NARROW_GAP, _NARROW_HEIGHT, _NARROW_BELOW, _NARROW_LABEL = 11.0, 12.0, 25.0, 8.0, 7.8
 _NARROW_ROW = _NARROW_HEIGHT + _ABOVE + _NARROW_BELOW
 SPEEDS = ("peak_speed", "rms_speed", "net_flux")
@@ -75,7 +75,7 @@ class Panels:
         across = (self.width - start - _RIGHT - (self.columns - 1) * gap) / self.columns
         ax = place(self.figure, start + column * (across + gap), bottom, across, high)
         ax.spines[["top", "right"]].set_visible(False)
-        ax.yaxis.set_label_coords(-0.2 if self.stacked else -_NARROW_LABEL / across, 0.5)
+        ax.yaxis.set_label_coords(-(_LABEL if self.stacked else _NARROW_LABEL) / across, 0.5)
         return ax
 
     def pairs(self) -> list[list[Any]]:

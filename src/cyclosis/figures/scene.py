@@ -18,6 +18,7 @@ from ..model.scales import Scales
 from ..model.units import time_unit
 from . import looks
 from .clock import time_axis, time_text
+from .edges import name_axes
 from .marks import Mark
 from .portraits import Look, portrait
 from .ribbons import Ribbon
@@ -136,8 +137,7 @@ class SceneLayout:
         self.flat = place(self.figure, start, floor, scale * around, scale * along)
         self.flat.set(xlim=box[:2], ylim=box[2:])
         cell.edges(self.flat, self.scene.scales)
-        self.flat.set_xlabel(cell.across, labelpad=-7.0)
-        self.flat.set_ylabel(cell.along, rotation=0, labelpad=-1.0, va="center")
+        name_axes(self.flat, cell.across, cell.along, pad=-7.0)
         self.reading = self.figure.text(start / _WIDTH, above, "", fontsize=type_size, animated=True)
         start += scale * around + _KEY_ROOM - 8.0
         cell.key(place(self.figure, start, floor, _KEY, scale * along))

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib
 from matplotlib.figure import Figure
 
 from ..model.doors import door
 from ..model.errors import choice, number
 from ..model.units import scales_in
 from .clock import time_text
+from .edges import name_axes
 from .frames import frame, in_memory, indices_at, peak_speed
 from .looks import setting
-from .style import TYPE, WIDTH, blank, place, scale_bar
+from .style import SMALL, TYPE, WIDTH, blank, place, scale_bar
 from .subjects import subject_of
 
 __all__ = [
@@ -30,6 +32,8 @@ VIEWS = ("both", "cylinder", "map")
 # Places in millimetres.
 _MARGIN, _TITLE, _AXIS, _LABEL, _APART, _KEY, _FOOT = 3.0, 7.0, 6.5, 6.5, 9.0, 12.0, 7.0
 _TALLEST = 110.0
+NARROWEST, NARROWEST_BOTH = 40.0, 60.0
+"""Least width of one view, and of both; between them the type is small."""
 
 
 @door
@@ -46,11 +50,11 @@ def snapshot(
     `dataset` is a run's `xarray.Dataset` with P and u; closed cells have their true shape and an equal-area
     map. `time` is dimensionless, by default the end; the saved frame nearest to it is drawn and labelled with
     its actual time. `view` is "both", "cylinder" (the cell of whatever shape) or "map". `width` is in
-    millimetres, 40 to 1000; where the cell would be higher than 110 mm, it is drawn smaller. `view_angle`
-    (radians) is the angle that faces the viewer, by default one that shows an indifferent zone. Of a dataset
-    with scales the time and the axes are in units, and there is a scale bar. For other colours and fonts see
-    `cyclosis.figures.looks.chosen`. Raises `InputError` for a time outside the dataset, other views, and a
-    dataset without fields.
+    millimetres, at least 40, or 60 for both; where the cell would be higher than 110 mm, it is drawn
+    smaller. `view_angle` (radians) is the angle that faces the viewer, by default one that shows an
+    indifferent zone. Of a dataset with scales the time and the axes are in units, and there is a scale bar.
+    For other colours and fonts see `cyclosis.figures.looks.chosen`. Raises `InputError` for a time outside
+    the dataset, other views, and a dataset without fields.
 
     Example:
         >>> import cyclosis as cy
@@ -63,7 +67,8 @@ def snapshot(
     """
     subject = subject_of(dataset)
     choice("view", view, VIEWS)
-    width = number("width", width, 40.0, 1000.0, "choose a width in millimetres")
+    least = NARROWEST_BOTH if view == "both" else NARROWEST
+    width = number("width", width, least, 1000.0, "choose a width in millimetres, or another view")
     index = -1 if time is None else indices_at(dataset, [time], "time")[0]
     dataset, scales = in_memory(dataset), scales_in(dataset)
     P, u = frame(dataset, index)
@@ -81,8 +86,8 @@ def snapshot(
     floor = max(bar, _MARGIN if view == "cylinder" else _AXIS)
     high = scale * max(part[1] for part in shown)
     peak = peak_speed(dataset)
-    with setting(TYPE):
-        figure = blank(width, floor + high + _TITLE)
+    with setting(TYPE | (SMALL if width < NARROWEST_BOTH else {})):
+        size, figure = matplotlib.rcParams["font.size"], blank(width, floor + high + _TITLE)
         left = _MARGIN + 0.5 * (width - beside - scale * sum(part[0] for part in shown))
         if view != "map":
             up = floor + 0.5 * (high - scale * solid[1])
@@ -98,10 +103,10 @@ def snapshot(
             )
             cell.flat(ax, look, peak_speed=peak, streamlines=streamlines)
             cell.edges(ax, scales)
-            ax.set_xlabel(cell.across, labelpad=-6.0)
-            ax.set_ylabel(cell.along, rotation=0, labelpad=-1.0, va="center")
+            name_axes(ax, cell.across, cell.along)
             left += scale * chart[0] + 3.5
         cell.key(place(figure, left, floor, 3.2, high - 1.0))
         when = time_text(scales, float(dataset["time"].values[index]))
-        figure.text(_MARGIN / width, 1 - 4.5 / (floor + high + _TITLE), when, fontsize=TYPE["font.size"])
+        begin = ax.get_position().x0 if view == "map" else _MARGIN / width  # not above the map's labels
+        figure.text(begin, 1 - 4.5 / (floor + high + _TITLE), when, fontsize=size)
         return figure

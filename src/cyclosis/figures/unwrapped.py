@@ -12,6 +12,7 @@ from ..model.doors import door
 from ..model.grid import CylinderGrid, interpolate
 from ..model.scales import Scales
 from ..model.units import length_text
+from .edges import mark_height
 from .ribbons import Ribbon, paint, placed, stream_ribbons, zone_ribbons
 from .style import INK, ZONE, state_rgb
 
@@ -67,7 +68,7 @@ def draw_map(
 def mark_edges(ax: Any, grid: CylinderGrid, scales: Scales | None = None) -> None:
     """Put ticks at the edges of a map: its height is in radii, or in micrometres with `scales`."""
     ax.set_xticks([0, 2 * np.pi], ["0", "2π"])
-    ax.set_yticks([0, grid.length], ["0", length_text(grid.length, scales)])
+    mark_height(ax, length_text(grid.length, scales), grid.length)
 
 
 @door
