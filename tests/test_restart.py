@@ -145,12 +145,7 @@ def test_going_on_in_a_new_process(tmp_path, options):
 
 @pytest.mark.slow
 def test_kill_9_at_random_moments(tmp_path):
-    assert killing(tmp_path, rounds=2, seed=11) == []
-
-
-@pytest.mark.slow
-def test_kill_9_at_many_random_moments(tmp_path):
-    assert killing(tmp_path, rounds=6, seed=5) == []
+    assert killing(tmp_path, rounds=4, seed=5) == []
 
 
 @pytest.mark.slow

@@ -94,7 +94,7 @@ def _twist_cells(data: Any) -> Cells:
     few, many = (float(uptake.sel(peclet=value)) for value in (50.0, 5000.0))
     return {
         "polar": (
-            judged(not wind[1].any(), wind[0].mean() < HALF),
+            judged(not wind[1].any(), wind[0].size > 0 and wind[0].mean() < HALF),
             f"with a tilted d streams wind in {of(wind[0].sum(), wind[0].size)} cells of length 5, in "
             f"{of(wind[1].sum(), wind[1].size)} of length {length:.1f}",
         ),

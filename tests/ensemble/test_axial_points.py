@@ -10,7 +10,7 @@ import cyclosis as cy
 from cyclosis.analysis.axial_points import axial_tails, fewer_points, usable
 from cyclosis.ensemble import EnsembleSettings, Member, follow
 from cyclosis.ensemble.axial_lanes import run_axial_lane
-from cyclosis.ensemble.packing import packed, unpacked
+from cyclosis.ensemble.packing import Packing, packed
 from cyclosis.model.precision import double
 from cyclosis.model.spectral import on_axial_points
 
@@ -178,7 +178,7 @@ def test_packing_changes_no_bit():
         "number": np.float64(np.nan),
     }
     with double():
-        found = unpacked(np.asarray(packed(tree)), jax.eval_shape(lambda: tree))
+        found = Packing(jax.eval_shape(lambda: tree)).unpacked(np.asarray(packed(tree)))
     for name, leaf in tree.items():
         assert found[name].dtype == leaf.dtype
         assert np.array_equal(found[name], leaf, equal_nan=leaf.dtype.kind == "f")

@@ -148,7 +148,7 @@ class ClosedSystem(System):
 jax.tree_util.register_dataclass(
     ClosedSystem,
     data_fields=["space", "values", "operator", "ramp", "drag"],
-    meta_fields=["terms", "cubic", "grid", "split", "closure"],
+    meta_fields=["terms", "cubic", "grid", "split", "closure", "together"],
 )
 
 _projected = jax.jit(ClosedSpace.to_spectrum)

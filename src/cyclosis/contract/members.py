@@ -93,13 +93,15 @@ class AxialPoints:
     """How a member goes on with fewer points along its axis while it has no short waves along it.
 
     `fewer(grid)` returns the numbers of points that may be used instead of the grid's, from most to fewest,
-    and `usable(params, grid)` how many of these. `fitted(modes, n)` puts the modes of a state on n points,
+    and `usable(params, grid)` how many of these. `on_few(system)` returns a system in the form that takes the
+    least time on few points. `fitted(modes, n)` puts the modes of a state on n points,
     `tails(modes, numbers)` returns the shares of its amplitude that so many points hold badly or not at all.
-    Both are traceable.
+    These two are traceable.
     """
 
     fewer: Callable[[Any], tuple[int, ...]]
     usable: Callable[[Any, Any], int]
+    on_few: Callable[[Any], Any]
     fitted: Callable[[Any, int], Any]
     tails: Callable[[Any, tuple[int, ...]], Any]
 

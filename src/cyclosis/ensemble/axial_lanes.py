@@ -39,7 +39,7 @@ def levels(problem: Problem, axial: AxialPoints) -> tuple[Level, ...]:
     grid = problem.grid
     grids = (grid, *(grid.resized(grid.n_theta, n) for n in axial.fewer(grid)))
     problems = (replace(problem, grid=on) for on in grids)
-    systems = [jax.device_put(problem.model.system(own, True)) for own in problems]
+    systems = [jax.device_put(axial.on_few(problem.model.system(own, True))) for own in problems]
     return tuple(Level(system, tables(system)) for system in systems)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -23,17 +23,42 @@ def _parts(leaf: jax.Array) -> list[jax.Array]:
     return [jnp.ravel(part).astype(jnp.float64) for part in parts]
 
 
-def unpacked(numbers: npt.NDArray[np.float64], like: Any) -> Any:
-    """Return the tree whose numbers were `packed`; `like` has the shapes and types of its leaves."""
-    leaves, structure = jax.tree.flatten(like)
-    out: list[Any] = []
-    at = 0
-    for leaf in leaves:
-        size = int(np.prod(leaf.shape))
-        values: Any = numbers[at : at + size]
-        at += size
-        if np.issubdtype(leaf.dtype, np.complexfloating):
-            values = values + 1j * numbers[at : at + size]
-            at += size
-        out.append(values.astype(leaf.dtype).reshape(leaf.shape))
-    return jax.tree.unflatten(structure, out)
+class Packing:
+    """How the leaves of a tree lie among its `packed` numbers; `like` has their shapes and types.
+
+    It is found once, because a member in a lane is looked at every few steps.
+    """
+
+    def __init__(self, like: Any) -> None:
+        leaves, self._structure = jax.tree.flatten(like)
+        self._places: list[_Place] = []
+        at = 0
+        for leaf in leaves:
+            size = int(np.prod(leaf.shape))
+            parts = 2 if np.issubdtype(leaf.dtype, np.complexfloating) else 1
+            self._places.append(_Place(at, size, parts == 2, np.dtype(leaf.dtype), leaf.shape))
+            at += parts * size
+
+    def unpacked(self, numbers: npt.NDArray[np.float64]) -> Any:
+        """Return the tree of these numbers."""
+        return jax.tree.unflatten(self._structure, [place.of(numbers) for place in self._places])
+
+
+class _Place(NamedTuple):
+    """Where a leaf begins among the numbers, how many values it has, and what they are."""
+
+    start: int
+    size: int
+    complex: bool
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+
+    def of(self, numbers: npt.NDArray[np.float64]) -> Any:
+        """Return the leaf."""
+        if not self.shape and not self.complex:
+            return self.dtype.type(numbers[self.start])
+        middle = self.start + self.size
+        values: Any = numbers[self.start : middle]
+        if self.complex:
+            values = values + 1j * numbers[middle : middle + self.size]
+        return values.astype(self.dtype).reshape(self.shape)

@@ -36,7 +36,7 @@ from .members import (
     refuse_adaptive,
     uncertain,
 )
-from .packing import unpacked
+from .packing import Packing
 from .scheduled import follow_scheduled
 from .scheduled_lanes import ScheduledLanes
 
@@ -177,6 +177,7 @@ class _Pool:
         self.t_end = np.float64(how.t_end)
         self.axial = self.shares.axial if how.axial_resolution == "adaptive" else None
         self.levels = () if self.axial is None else levels(how.problem(first), self.axial)
+        self.axial_points = () if self.axial is None else (self.grid.n_z, *self.axial.fewer(self.grid))
         self.points: dict[Any, tuple[System, Callable[[], Inquiry] | None]] = {}
 
     def run(self) -> Iterator[tuple[int, Outcome]]:
@@ -188,14 +189,14 @@ class _Pool:
         values = stacked([(entry or first).values for entry in entries])
         batch = stacked([_idle(first.state) if entry is None else entry.state for entry in entries])
         shapes: Any = lane_state
-        like = shapes.eval_shape(self.device, first.state, self.t_end, how=self.shares)
+        packing = Packing(shapes.eval_shape(self.device, first.state, self.t_end, how=self.shares))
         while any(seats):
             batch, states = self._steps(seats, values, batch)
             seen = np.asarray(states)
             for lane, seat in enumerate(seats):
                 if seat is None:
                     continue
-                now: LaneState = unpacked(seen[lane], like)
+                now: LaneState = packing.unpacked(seen[lane])
                 verdict = self._look(seat, now)
                 if verdict is None and not now.failed and not now.waits:
                     continue
@@ -219,7 +220,6 @@ class _Pool:
         if self.axial is None or seat is None:
             systems = self.shares.with_values(self.device, values)
             return run_lanes(systems, control, self.table, batch, t_end, how=how)
-        points = (self.grid.n_z, *self.axial.fewer(self.grid))
         level, changed, usable = self.levels[seat.place], seat.place != seat.last_place, seat.usable
         seat.last_place = seat.place
         return run_axial_lane(
@@ -232,7 +232,7 @@ class _Pool:
             usable,
             t_end,
             how=how,
-            points=points,
+            points=self.axial_points,
             place=seat.place,
         )
 
@@ -305,9 +305,11 @@ class _Pool:
 
 def _kept(seats: list[_Seat | None]) -> npt.NDArray[np.intp] | None:
     """Return the lanes to keep once most are permanently idle; None if dropping lanes does not pay."""
+    if len(seats) <= FEW_LANES:
+        return None
     busy = np.array([seat is not None for seat in seats])
     count = int(busy.sum())
-    if len(seats) <= FEW_LANES or count > len(seats) // 8:
+    if count > len(seats) // 8:
         return None
     width = max(FEW_LANES, 2 ** (count - 1).bit_length())
     return np.argsort(~busy, kind="stable")[:width]

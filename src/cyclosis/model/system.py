@@ -29,6 +29,7 @@ from .parameters import Parameters
 from .precision import double, dtypes
 from .real_arithmetic import in_real_arithmetic
 from .spectral import Space, dot
+from .transforms_together import transforms_together
 
 SMALL = 32 * 32
 """Points up to which complex arithmetic stays: compiling pairs of real arrays takes longer than they save."""
@@ -49,7 +50,8 @@ class System:
     `split` says that the linear terms are kept separate, for steppers that treat them exactly. With a `ramp`
     some of the values depend on time; the linear part then has the stronger diffusion of the two ends, and
     the excess is subtracted in the nonlinear part, so that a stepper keeps its order. `drag` (n_theta, n_z)
-    is the resistance of the vacuole to each wave of the flow, or None without it.
+    is the resistance of the vacuole to each wave of the flow, or None without it. `together` says that
+    transforms run in batches, which takes less time on few points: see `transforms_together`.
     """
 
     space: Space
@@ -62,6 +64,7 @@ class System:
     ramp: Ramp | None = None
     closure: str = PAPER
     drag: Any = None
+    together: bool = False
     moment: ClassVar[type[Moment]] = Moment
 
     def at(self, spectrum: jax.Array, time: Any = 0.0) -> Moment:
@@ -103,6 +106,10 @@ class System:
         """Return the same system with the values of another cell."""
         return replace(self, values=varying[0], ramp=varying[1])
 
+    def in_batches(self) -> System:
+        """Return the same system with transforms in batches."""
+        return replace(self, together=True)
+
     def linear(self) -> jax.Array:
         """Return the real symbol of the linear part, shape (n_theta, n_z); zero if not `split`."""
         now = Moment(0.0, self.space.k2, self.strongest(), self.space, self.operator, self.cubic, self.grid)
@@ -121,14 +128,15 @@ class System:
     def _rest(self, now: Moment) -> jax.Array:
         # Models that add to a moment share its fields with their own terms. A custom term stays as written.
         own = type(now) is Moment and all(term.kind != "custom" for term in self.terms)
-        if not own or now.spectrum.size <= SMALL:
+        if not own or (now.spectrum.size <= SMALL and not self.together):
             return filaments.nonlinear(now, self.terms)
 
         def rest(spectrum: jax.Array) -> jax.Array:
             return filaments.nonlinear(now.of(spectrum), self.terms)
 
-        rewritten: jax.Array = in_real_arithmetic(rest)(now.spectrum)
-        return rewritten
+        rewritten = in_real_arithmetic(transforms_together(rest) if self.together else rest)
+        result: jax.Array = rewritten(now.spectrum)
+        return result
 
     def size(self, spectrum: jax.Array) -> jax.Array:
         """Return <|P|²>^½ of a packed spectrum (Parseval), or the same of a rate or an error."""
@@ -176,7 +184,7 @@ def state_of(spectrum: npt.ArrayLike) -> Array:
 jax.tree_util.register_dataclass(
     System,
     data_fields=["space", "values", "operator", "ramp", "drag"],
-    meta_fields=["terms", "cubic", "grid", "split", "closure"],
+    meta_fields=["terms", "cubic", "grid", "split", "closure", "together"],
 )
 
 _LINEAR = {"d_s", "d_r"}

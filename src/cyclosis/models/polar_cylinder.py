@@ -145,7 +145,7 @@ polar = Model(
         values=lambda system: system.varying,
         with_values=System.with_varying,
         certain=_certain,
-        axial=AxialPoints(fewer_points, usable, on_axial_points, axial_tails),
+        axial=AxialPoints(fewer_points, usable, System.in_batches, on_axial_points, axial_tails),
     ),
     starts=Starts(
         make=initial_state,
