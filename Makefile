@@ -38,7 +38,7 @@ test: $(VENV)/tested lint
 
 check: $(VENV)/tested
 	$(ALONE) $(BIN)/python -m pytest -n 2 -m "slow and not browser"
-	$(BIN)/python -m pytest -m browser
+	$(ALONE) $(BIN)/python -m pytest -n 2 --dist loadfile -m browser
 	@if command -v npm >/dev/null; then cd web && npm ci --silent && npm test; \
 	else echo "The tests of the page's parts are skipped: there is no npm."; fi
 

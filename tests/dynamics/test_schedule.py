@@ -49,3 +49,18 @@ def test_a_long_protocol_of_fields_takes_the_memory_of_a_few():
     masks = sum(mask.nbytes for _, mask in schedule.steps)
     fields = 2 * np.zeros(grid.shape).nbytes
     assert held < masks + (KEPT + 2) * fields < masks + len(steps) * fields
+
+
+def test_a_region_keeps_what_an_earlier_step_did_outside_it():
+    left, both = cy.regions.band("z", 0.0, 2.0), cy.regions.band("z", 1.0, 3.0)
+    steps = cy.change(at=1.0, kappa=0.1, where=left), cy.change(at=2.0, kappa=0.2, where=both)
+    found = Schedule(cy.Parameters(kappa=0.5), GRID, cy.Protocol(*steps)).params_at(2.0).kappa
+    expected = np.select([both.mask(GRID), left.mask(GRID)], [0.2, 0.1], 0.5)
+    assert np.array_equal(found, expected)
+
+
+def test_a_ramp_is_over_at_its_end():
+    schedule = Schedule(cy.Parameters(), GRID, cy.Protocol(cy.change(at=1.0, over=2.0, d_s=0.1)))
+    assert schedule.stage(2.9).moving == {"d_s": (1.0, 3.0)}
+    assert schedule.stage(3.0).moving == {}
+    assert schedule.params_at(3.0).d_s == 0.1
