@@ -63,3 +63,17 @@ def test_texts_that_do_overlap_are_found():
     figure.text(0.12, 0.5, "other")
     figure.text(0.9, 0.9, "cut off at the edge")
     assert overlaps(figure) == [("one", "other"), ("cut off at the edge", None)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", [cy.Spheroid(1.5), cy.Sphere()], ids=["spheroid", "sphere"])
+@pytest.mark.parametrize("scales", SCALES.values(), ids=SCALES)
+def test_closed_cells(shape, scales):
+    grid = cy.ClosedGrid(shape, k_max=8)
+    swirl = cy.closed.rotation(grid) if isinstance(shape, cy.Sphere) else cy.closed.swirl(grid, 0.5)
+    data = cy.simulate(cy.Parameters(), grid, swirl, 1.0, save_every=0.25).to_dataset()
+    data = data if scales is None else with_scales(data, scales)
+    for width in COLUMNS:
+        assert overlaps(history(data, width)) == []
+        for view in VIEWS:
+            assert overlaps(snapshot(data, 0.5, view, width)) == []

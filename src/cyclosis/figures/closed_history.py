@@ -20,6 +20,8 @@ from .style import DOWN, INK, QUIET, UP, mathtext
 MOST_FRAMES = 120
 """Defects are counted in at most about this many frames."""
 DASHED = (0, (3, 1.5))
+NOTHING = 0.1
+"""Least height of the axes of a profile: smaller values are drawn as the flat line that they are."""
 Draw = Callable[[Any, xarray.Dataset], None]
 
 
@@ -98,9 +100,10 @@ def _around(upper: Any, lower: Any, dataset: xarray.Dataset, grid: Any) -> None:
         ax.fill_between(
             theta, closed, where=closed < 0, color=DOWN, alpha=0.25, linewidth=0, interpolate=True
         )
-        size = 1.1 * max(float(np.abs(closed).max()), 1e-3)
+        size = 1.1 * max(float(np.abs(closed).max()), NOTHING)
         ax.set(xlim=(0, 2 * np.pi), ylim=(-size, size), ylabel=f"{label} at mid-cell")
         ax.set_xticks([0, np.pi, 2 * np.pi], ["0", "π", "2π"])
+        ax.locator_params(axis="y", nbins=4)
 
 
 def _middle(grid: Any, values: Array) -> Array:

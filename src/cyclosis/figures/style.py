@@ -198,13 +198,19 @@ def _direction_key(ax: Any) -> None:
     ax.set_title(r"$\mathbf{P}$", pad=5.0, fontsize=matplotlib.rcParams["font.size"])
 
 
+_BELOW = 2.0
+"""Largest distance between a solid and its scale bar, in millimetres."""
+
+
 def scale_bar(ax: Any, scales: Scales | None, box: Sequence[float]) -> None:
     """Draw a bar of a round length below the picture of a solid with edges `box`, in radii, given scales."""
     if scales is None:
         return
     left, right, bottom, _ = box
     length, name = round_length(scales, 0.6 * (right - left))
-    middle, below = 0.5 * (left + right), bottom - 0.12
+    low, high = ax.get_ylim()
+    radius = 25.4 * ax.figure.get_figheight() * ax.get_position().height / (high - low)  # in millimetres
+    middle, below = 0.5 * (left + right), bottom - min(0.12, _BELOW / radius)
     ends = [middle - 0.5 * length, middle + 0.5 * length]
     ax.plot(ends, [below, below], color=INK, linewidth=1.6, solid_capstyle="butt", clip_on=False)
     ax.annotate(
